@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// The configuration both programs share: a TOML file checked against one schema (config_schema.cpp) that gives every key its
+// type, dimension, default, range and one line of documentation.
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "geometry/core/case.h"
+
+namespace mv {
+
+enum class Dimension { none, length, area, time, pressure, density, viscosity, force, velocity, angle, stiffness };
+
+/// Value in SI units (angles in radians).
+using ConfigValue = std::variant<bool, long, double, std::string, std::vector<double>, std::vector<std::string>>;
+
+struct ConfigKey {
+  std::string name;             // dotted, e.g. "mesh.spacing"
+  std::string type;             // "bool" "integer" "number" "string" "choice" "path" "numbers" "strings"
+  Dimension dimension = Dimension::none;
+  std::string unit;             // unit in which the value is written back, e.g. "mm"
+  ConfigValue default_value;
+  std::vector<std::string> choices;
+  double minimum = -1e300;      // SI, inclusive
+  double maximum = 1e300;
+  std::string doc;
+};
+
+/// All keys, in the order in which they are written back.
+const std::vector<ConfigKey>& config_schema();
+
+class Config {
+ public:
+  /// Defaults only.
+  Config();
+
+  /// Reads and checks a TOML file. A dimensional value is a string with a unit ("1.0 mm"); arrays of them are arrays of such strings.
+  /// Throws ConfigError (file, line, key, value, expected; the nearest known key for an unknown one), IoError when unreadable.
+  static Config from_file(const std::filesystem::path& file);
+  static Config from_string(std::string_view toml, const std::string& origin);
+
+  /// Applies "key=value" as given to --set (value in TOML syntax, or a bare string such as 1.0 mm). Throws ConfigError.
+  void set(const std::string& assignment);
+
+  bool flag(const std::string& key) const;
+  long integer(const std::string& key) const;
+  double number(const std::string& key) const;             // SI
+  double number_in(const std::string& key, const std::string& unit) const;  // e.g. number_in("mesh.spacing", "mm")
+  const std::string& text(const std::string& key) const;
+  const std::vector<double>& numbers(const std::string& key) const;         // SI
+  const std::vector<std::string>& texts(const std::string& key) const;
+  bool was_given(const std::string& key) const;             // false when the default stands
+
+  /// The resolved configuration as TOML, every default written out with its unit, in schema order; `commented` adds the docs.
+  std::string to_toml(bool commented = false) const;
+
+  /// Canonical text of the values under the given key prefixes, for hashing a stage's inputs.
+  std::string fingerprint(const std::vector<std::string>& prefixes) const;
+
+  /// Directory that relative paths in the file refer to.
+  std::filesystem::path base_directory() const { return base_directory_; }
+
+ private:
+  std::map<std::string, ConfigValue> values_;
+  std::map<std::string, bool> given_;
+  std::filesystem::path base_directory_;
+};
+
+/// Parses "1.0 mm" into SI. Throws ConfigError naming the expected dimension and its known units.
+double parse_quantity(std::string_view text, Dimension dimension, const std::string& what);
+
+/// Factor from the unit to SI: factor("mm") = 1e-3, factor("mmHg") = 133.322387415. Throws ConfigError for an unknown unit.
+double unit_factor(std::string_view unit);
+
+/// The candidate with the smallest edit distance.
+std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
+
+}  // namespace mv

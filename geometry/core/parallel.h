@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// The only file that knows about threads. Work is split statically into contiguous ranges, so the same thread count gives
+// the same arithmetic; kernels written per cell or per node with fixed gather order do not depend on the count at all.
+
+#include <cstddef>
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+namespace mv {
+
+/// Loops shorter than this run on the calling thread: starting a team costs more than the work.
+inline constexpr std::ptrdiff_t serial_loop_limit = 256;
+
+inline int thread_count() {
+#ifdef _OPENMP
+  return omp_get_max_threads();
+#else
+  return 1;
+#endif
+}
+
+inline void set_thread_count(int n) {
+#ifdef _OPENMP
+  omp_set_num_threads(n);
+#else
+  (void)n;
+#endif
+}
+
+/// Calls body(begin, end, thread) for contiguous ranges that cover [0, n).
+template <class Body>
+void parallel_ranges(std::ptrdiff_t n, Body&& body, std::ptrdiff_t serial_below = serial_loop_limit) {
+#ifdef _OPENMP
+  if (n >= serial_below && omp_get_max_threads() > 1) {
+#pragma omp parallel
+    {
+      const std::ptrdiff_t teams = omp_get_num_threads();
+      const std::ptrdiff_t t = omp_get_thread_num();
+      body(n * t / teams, n * (t + 1) / teams, static_cast<int>(t));
+    }
+    return;
+  }
+#endif
+  (void)serial_below;
+  body(std::ptrdiff_t{0}, n, 0);
+}
+
+/// Calls body(i) for i in [0, n).
+template <class Body>
+void parallel_for(std::ptrdiff_t n, Body&& body, std::ptrdiff_t serial_below = serial_loop_limit) {
+  parallel_ranges(
+      n,
+      [&](std::ptrdiff_t begin, std::ptrdiff_t end, int) {
+        for (std::ptrdiff_t i = begin; i < end; ++i) body(i);
+      },
+      serial_below);
+}
+
+/// Sum of value(i) for i in [0, n) in blocks of fixed size, so that the result does not depend on the thread count.
+template <class Value>
+double parallel_sum(std::ptrdiff_t n, Value&& value);
+
+}  // namespace mv
+
+#include <vector>
+
+template <class Value>
+double mv::parallel_sum(std::ptrdiff_t n, Value&& value) {
+  constexpr std::ptrdiff_t block = 2048;
+  const std::ptrdiff_t blocks = (n + block - 1) / block;
+  std::vector<double> partial(static_cast<std::size_t>(blocks), 0.0);
+  parallel_for(
+      blocks,
+      [&](std::ptrdiff_t b) {
+        double sum = 0;
+        const std::ptrdiff_t end = (b + 1) * block < n ? (b + 1) * block : n;
+        for (std::ptrdiff_t i = b * block; i < end; ++i) sum += value(i);
+        partial[static_cast<std::size_t>(b)] = sum;
+      },
+      2);
+  double total = 0;
+  for (double p : partial) total += p;
+  return total;
+}
