@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The schema: one row per key. To add a key, add a row; nothing else is needed.
+//
+// type:    flag | integer | number | a dimension (length, area, volume, time, pressure, density, viscosity, force, velocity, angle,
+//          stiffness, flow) | text | path | choice a|b|c
+//          "type[]" or "type[3]" is a list; a trailing "?" lets the value be "auto"
+// default: as in the file, without the quotes; "auto" where the type has "?"
+// range:   "lowest .. highest", either side may be missing; it also names the unit in which the value is written when the default is auto
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+
+#include "geometry/core/config.h"
+#include "geometry/core/config_values.h"
+
+namespace mv {
+namespace {
+
+struct Row {
+  const char* name;
+  const char* type;
+  const char* default_text;
+  const char* range;
+  const char* doc;
+};
+
+const Row rows[] = {
+    // clang-format off
+    {"case.name", "text", "generic", "", "name shown in the report"},
+
+    {"generic.axis_major", "length", "38 mm", "5 mm .. 200 mm", "long diameter of the elliptic annulus, between the commissures (x)"},
+    {"generic.axis_minor", "length", "30 mm", "5 mm .. 200 mm", "short diameter of the elliptic annulus, anterior to posterior (y)"},
+    {"generic.saddle_height", "length", "0 mm", "0 mm .. 50 mm", "height of the saddle from its lowest to its highest point"},
+    {"generic.strip_height", "length", "6 mm", "0 mm .. 50 mm", "strip along the annulus below which the semicircles start; the height at the commissures"},
+    {"generic.anterior_radius", "length", "18 mm", "1 mm .. 100 mm", "radius of the anterior semicircle on the flat pattern"},
+    {"generic.anterior_height", "number", "0.9", "0.05 .. 3", "height of the anterior semicircle over its radius"},
+    {"generic.posterior_height", "number", "0.75", "0.05 .. 3", "height of the posterior semicircles over their radius"},
+    {"generic.posterior_scallops", "integer", "3", "1 .. 9", "number of posterior semicircles"},
+    {"generic.inward_slope", "number", "0.35", "-1 .. 2", "slope of the cone: inward run over the drop along the leaflet"},
+    {"generic.annulus", "path", "", "", "CSV of a real annulus (columns x_mm,y_mm,z_mm, ordered, closed); empty for the ellipse"},
+    {"generic.papillary", "path", "", "", "CSV of papillary points (columns x_mm,y_mm,z_mm); empty for the two tips below"},
+    {"generic.proportional", "flag", "true", "", "scale all lengths of the pattern by the perimeter of the real annulus over the ellipse's"},
+    {"generic.anterior_direction", "number[3]?", "auto", "", "direction (world frame) from the annulus centre towards the anterior leaflet of a real annulus"},
+    {"generic.papillary_tips_anterolateral", "length[3]", "[10 mm, -2 mm, -32 mm]", "", "anterolateral papillary tip"},
+    {"generic.papillary_tips_posteromedial", "length[3]", "[-10 mm, -2 mm, -32 mm]", "", "posteromedial papillary tip"},
+
+    {"mesh.spacing", "length", "0.5 mm", "0.05 mm .. 10 mm", "distance of neighbouring solid points; half the fluid spacing or less"},
+    {"mesh.layers", "integer", "2", "1 .. 8", "layers of tetrahedra through the thickness"},
+    {"mesh.order", "integer", "1", "1 .. 2", "1 linear tetrahedra, 2 quadratic (C3D10)"},
+    {"mesh.thickness", "length", "1 mm", "0.05 mm .. 10 mm", "leaflet thickness"},
+
+    {"chordae.model", "choice generic|none", "generic", "", "chordae tree"},
+    {"chordae.primary", "integer", "14", "0 .. 200", "primary chordae, to the free border"},
+    {"chordae.secondary", "integer", "8", "0 .. 200", "secondary chordae, to the ventricular face inside the border"},
+    {"chordae.slack", "number", "1.0", "0.5 .. 2", "rest length over the distance between the ends"},
+    {"chordae.stiffness", "pressure", "20 MPa", "1 kPa ..", "Young's modulus in tension"},
+    {"chordae.area_primary", "area", "0.4 mm2", "0.001 mm2 .. 100 mm2", "cross-section of a primary chorda"},
+    {"chordae.area_secondary", "area", "0.8 mm2", "0.001 mm2 .. 100 mm2", "cross-section of a secondary chorda"},
+    {"chordae.influence_radius", "length?", "auto", "0.05 mm .. 50 mm", "radius R of the influence sphere at an unbranched leaflet end (R/2 at branched ones)"},
+    {"chordae.density", "density", "1100 kg/m3", "1 kg/m3 .. 20000 kg/m3", "density of the chordae"},
+    {"chordae.removed", "integer[]", "[]", "0 ..", "indices of chordae to leave out, as a rupture"},
+
+    {"fibers.model", "choice arc|parallel|none", "arc", "", "collagen fibre directions: arcs from side to side, parallel to the annulus, none (isotropic)"},
+
+    {"tube.length_ventricle", "length", "40 mm", "1 mm .. 500 mm", "length of the blood tube on the ventricular side of the annulus plane"},
+    {"tube.length_atrium", "length", "20 mm", "1 mm .. 500 mm", "length of the blood tube on the atrial side"},
+    {"tube.spacing", "length", "1 mm", "0.05 mm .. 20 mm", "spacing of the fluid grid"},
+    {"tube.margin_cells", "integer", "3", "1 .. 50", "grid cells between the tube and the side of the box"},
+
+    {"gates.min_dihedral", "angle", "10 deg", "0 deg .. 60 deg", "smallest dihedral angle a tetrahedron may have"},
+    {"gates.max_spacing_ratio", "number", "0.5", "0.05 .. 10", "largest distance of neighbouring solid points over the fluid spacing"},
+
+    {"fluid.enabled", "flag", "true", "", "false puts the pressure straight on the ventricular face (structure only)"},
+    {"fluid.density", "density", "1060 kg/m3", "1 kg/m3 .. 20000 kg/m3", "density of blood"},
+    {"fluid.viscosity", "viscosity", "2 mPa s", "0.001 mPa s ..", "dynamic viscosity of blood"},
+    {"fluid.kernel", "choice ib4|ib3|cbs32", "ib4", "", "regularised delta function"},
+
+    {"leaflet.anterior.law", "choice m1|ogden|hgo|neo_hookean", "m1", "", "tissue law of the anterior leaflet"},
+    {"leaflet.anterior.m1_c", "pressure", "17.4 kPa", "0 Pa ..", "M1: c of c (I1-3)"},
+    {"leaflet.anterior.m1_a", "pressure", "31.3 kPa", "0 Pa ..", "M1: a of a/(2b) (exp(b (I4-1)^2) - 1)"},
+    {"leaflet.anterior.m1_b", "number", "55.93", "0 ..", "M1: b"},
+    {"leaflet.anterior.hgo_c10", "pressure", "2272 Pa", "0 Pa ..", "HGO: C10 of C10 (I1-3)"},
+    {"leaflet.anterior.hgo_k1", "pressure", "4000 Pa", "0 Pa ..", "HGO: K1 of K1/(2 K2) (exp(K2 <E>^2) - 1), E = kappa (I1-3) + (1-3 kappa)(I4-1)"},
+    {"leaflet.anterior.hgo_k2", "number", "150", "0 ..", "HGO: K2"},
+    {"leaflet.anterior.hgo_kappa", "number", "0.25", "0 .. 0.3333333333333333", "HGO: dispersion kappa, 0 aligned, 1/3 isotropic"},
+    {"leaflet.anterior.ogden_mu", "pressure[]", "[-481836.3 Pa, 484166.6 Pa, 742.8 Pa]", "", "Ogden: mu_i of sum 2 mu_i/alpha_i^2 (l1^alpha_i + l2^alpha_i + l3^alpha_i - 3)"},
+    {"leaflet.anterior.ogden_alpha", "number[]", "[-19.4, -19.3, -25]", "", "Ogden: alpha_i"},
+    {"leaflet.anterior.neo_mu", "pressure", "20 kPa", "0 Pa ..", "neo-Hookean: mu of mu/2 (I1-3)"},
+    {"leaflet.posterior.law", "choice m1|ogden|hgo|neo_hookean", "m1", "", "tissue law of the posterior leaflet"},
+    {"leaflet.posterior.m1_c", "pressure", "10.2 kPa", "0 Pa ..", "M1: c"},
+    {"leaflet.posterior.m1_a", "pressure", "50 kPa", "0 Pa ..", "M1: a"},
+    {"leaflet.posterior.m1_b", "number", "63.48", "0 ..", "M1: b"},
+    {"leaflet.posterior.hgo_c10", "pressure", "2272 Pa", "0 Pa ..", "HGO: C10"},
+    {"leaflet.posterior.hgo_k1", "pressure", "4000 Pa", "0 Pa ..", "HGO: K1"},
+    {"leaflet.posterior.hgo_k2", "number", "150", "0 ..", "HGO: K2"},
+    {"leaflet.posterior.hgo_kappa", "number", "0.25", "0 .. 0.3333333333333333", "HGO: dispersion kappa"},
+    {"leaflet.posterior.ogden_mu", "pressure[]", "[-481836.3 Pa, 484166.6 Pa, 742.8 Pa]", "", "Ogden: mu_i"},
+    {"leaflet.posterior.ogden_alpha", "number[]", "[-19.4, -19.3, -25]", "", "Ogden: alpha_i"},
+    {"leaflet.posterior.neo_mu", "pressure", "20 kPa", "0 Pa ..", "neo-Hookean: mu"},
+    {"leaflet.bulk", "pressure", "500 kPa", "0 Pa ..", "volumetric stiffness (see solver/solid)"},
+    {"leaflet.density", "density", "1060 kg/m3", "1 kg/m3 .. 20000 kg/m3", "density of the leaflets"},
+    {"leaflet.damping", "viscosity", "0 Pa s", "0 Pa s ..", "viscosity of the tissue (Kelvin-Voigt)"},
+    {"leaflet.distortion_strain", "number", "0.6", "0.01 .. 10", "strain beyond which an element stiffens (distortion control)"},
+    {"leaflet.distortion_factor", "number", "10", "0 .. 1e6", "how many times stiffer a distorted element becomes; 0 switches the control off"},
+
+    {"contact.enabled", "flag", "true", "", "contact between the leaflets"},
+    {"contact.friction", "number", "0.2", "0 .. 10", "Coulomb coefficient; 0 leaves friction out"},
+    {"contact.faces", "choice both|inner", "both", "", "faces that can touch: both, or the atrial (inner) faces only"},
+    {"contact.threshold", "length?", "auto", "0 mm .. 10 mm", "gap below which faces count as touching"},
+    {"contact.stiffness", "number", "1", "0 .. 1000", "penalty stiffness in units of m/dt^2"},
+    {"contact.search_every", "integer", "4", "1 .. 1000", "steps between two searches for candidates"},
+
+    {"coupling.scheme", "choice interpolation", "interpolation", "", "how leaflets and blood are coupled"},
+
+    {"pressure.waveform", "choice systolic|ramp|csv", "systolic", "", "ventricular minus atrial pressure: rise and hold, straight ramp and hold, or a file"},
+    {"pressure.peak", "pressure", "120 mmHg", "-300 mmHg .. 500 mmHg", "plateau of the built-in waveforms"},
+    {"pressure.rise_time", "time", "60 ms", "0.01 ms .. 10000 ms", "time from zero to the plateau"},
+    {"pressure.csv", "path", "", "", "CSV of the pressures, first line with column names"},
+    {"pressure.csv_start", "time", "0 s", "", "time in the file at which the simulation starts"},
+    {"pressure.csv_time_column", "text", "", "", "name of the time column; empty for the first"},
+    {"pressure.csv_columns", "text[]", "[]", "", "one column: the difference itself; two: ventricle, atrium; empty for the second column"},
+    {"pressure.csv_time_unit", "choice s|ms", "s", "", "unit of the time column"},
+    {"pressure.csv_pressure_unit", "choice mmHg|kPa|Pa", "mmHg", "", "unit of the pressure columns"},
+
+    {"time.end", "time", "0.25 s", "0 s .. 1000 s", "simulated time"},
+    {"time.step_max", "time", "50 us", "0.001 us .. 10000 us", "largest step"},
+    {"time.safety", "number", "0.6", "0.01 .. 1", "share of the estimated stable step that is used"},
+    {"time.step_fixed", "time?", "auto", "0.001 us .. 10000 us", "fixed step instead of the adaptive one"},
+
+    {"output.frames_every", "time", "10 ms", "0.001 ms ..", "time between two frames of the leaflets"},
+    {"output.fluid_every", "time", "50 ms", "0.001 ms ..", "time between two frames of the fluid"},
+    {"output.series_every", "time", "0.5 ms", "0.001 ms ..", "time between two lines of series.csv"},
+    {"output.checkpoint_every", "time", "50 ms", "0.001 ms ..", "time between two checkpoints"},
+    // clang-format on
+};
+
+Dimension dimension_of(const std::string& name) {
+  for (int d = 0; d <= static_cast<int>(Dimension::flow); ++d) {
+    const auto dimension = static_cast<Dimension>(d);
+    if (dimension_name(dimension) == name) return dimension;
+  }
+  if (name == "flow") return Dimension::flow;
+  throw std::logic_error("unknown type in the schema: " + name);
+}
+
+/// "0.5 mm" -> "mm"
+std::string unit_in(const std::string& text, Dimension dimension) {
+  std::string best;
+  for (const std::string& unit : units_of(dimension)) {
+    const auto at = text.find(" " + unit);
+    if (at == std::string::npos) continue;
+    const auto end = at + 1 + unit.size();
+    const bool whole = end == text.size() || text[end] == ',' || text[end] == ']' || text[end] == ' ';
+    if (whole && unit.size() > best.size()) best = unit;
+  }
+  return best;
+}
+
+void read_type(const Row& row, ConfigKey& key) {
+  std::string type = row.type;
+  if (type.starts_with("choice ")) {
+    key.type = "choice";
+    for (std::size_t at = 7; at <= type.size();) {
+      const std::size_t bar = std::min(type.find('|', at), type.size());
+      key.choices.push_back(type.substr(at, bar - at));
+      at = bar + 1;
+    }
+    return;
+  }
+  if (type.ends_with('?')) key.can_be_auto = true, type.pop_back();
+  bool is_list = false;
+  if (const auto bracket = type.find('['); bracket != std::string::npos) {
+    is_list = true;
+    key.count = std::strtoul(type.c_str() + bracket + 1, nullptr, 10);
+    type.resize(bracket);
+  }
+  if (type == "flag") key.type = "bool";
+  else if (type == "integer") key.type = is_list ? "integers" : "integer";
+  else if (type == "text") key.type = is_list ? "strings" : "string";
+  else if (type == "path") key.type = "path";
+  else {
+    key.type = is_list ? "numbers" : "number";
+    key.dimension = dimension_of(type);
+  }
+}
+
+void read_range(const Row& row, ConfigKey& key) {
+  const std::string range = row.range;
+  if (range.empty()) return;
+  const auto dots = range.find("..");
+  const std::string low = range.substr(0, dots), high = range.substr(dots + 2);
+  const std::string what = std::string("range of ") + row.name;
+  if (low.find_first_not_of(' ') != std::string::npos) key.minimum = parse_quantity(low, key.dimension, what);
+  if (high.find_first_not_of(' ') != std::string::npos) key.maximum = parse_quantity(high, key.dimension, what);
+}
+
+ConfigKey key_of(const Row& row) {
+  ConfigKey key;
+  key.name = row.name;
+  key.doc = row.doc;
+  read_type(row, key);
+  if (key.dimension != Dimension::none) {
+    key.unit = unit_in(row.default_text, key.dimension);
+    if (key.unit.empty()) key.unit = unit_in(row.range, key.dimension);
+    if (key.unit.empty()) throw std::logic_error(std::string("no unit in the schema row of ") + row.name);
+  }
+  read_range(row, key);
+  key.default_value = value_from_text(key, row.default_text, "schema");
+  return key;
+}
+
+}  // namespace
+
+const std::vector<ConfigKey>& config_schema() {
+  static const std::vector<ConfigKey> schema = [] {
+    std::vector<ConfigKey> keys;
+    for (const Row& row : rows) keys.push_back(key_of(row));
+    return keys;
+  }();
+  return schema;
+}
+
+const ConfigKey& config_key(const std::string& name) {
+  for (const ConfigKey& key : config_schema()) {
+    if (key.name == name) return key;
+  }
+  throw std::logic_error("the schema has no key '" + name + "'");
+}
+
+}  // namespace mv

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver/coupling/transfer.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "geometry/core/parallel.h"
+
+namespace mv {
+
+Kernel kernel_from_name(const std::string& name) {
+  if (name == "ib3") return Kernel::ib3;
+  if (name == "ib4") return Kernel::ib4;
+  if (name == "cbs32") return Kernel::cbs32;
+  throw std::invalid_argument("unknown kernel '" + name + "': expected ib3, ib4 or cbs32");
+}
+
+namespace {
+
+// A kernel reaches at most this many cells below and above the cell of its point.
+constexpr int reach = 2;
+
+// Weights of the three components along the three axes at one point (in cells).
+template <Kernel K>
+struct PointWeights {
+  KernelWeights w[3][3];  // [component][axis]
+  PointWeights(const double* s) {
+    if constexpr (K == Kernel::cbs32) {
+      for (int c = 0; c < 3; ++c)
+        for (int a = 0; a < 3; ++a) w[c][a] = kernel_weights<K>(s[a] - (a == c ? 0.0 : 0.5), a == c);
+    } else {
+      for (int a = 0; a < 3; ++a) {
+        const KernelWeights face = kernel_weights<K>(s[a], true);
+        const KernelWeights centre = kernel_weights<K>(s[a] - 0.5, true);
+        for (int c = 0; c < 3; ++c) w[c][a] = a == c ? face : centre;
+      }
+    }
+  }
+};
+
+}  // namespace
+
+Transfer::Transfer(const FluidGrid& grid, const TubeWall& wall, Kernel kernel) : grid_(grid), has_wall_(wall.is_present), kernel_(kernel) {
+  for (std::size_t c = 0; c < 3; ++c) open_[c] = wall.stencil[c].open;
+  slab_start_.assign(static_cast<std::size_t>(grid.n[2]) + 1, 0);
+}
+
+int Transfer::bind(std::span<const double> positions, std::span<const int> active) {
+  const std::size_t count = active.size();
+  slab_of_.resize(count);
+  const double inverse_h = 1.0 / grid_.h;
+  std::fill(slab_start_.begin(), slab_start_.end(), 0);
+  int skipped = 0;
+  for (std::size_t q = 0; q < count; ++q) {
+    const double* x = positions.data() + 3 * active[q];
+    int slab = -1;
+    bool is_inside = true;
+    for (int a = 0; a < 3; ++a) {
+      const double s = (x[a] - grid_.lower[a]) * inverse_h;
+      // Written so that NaN counts as outside.
+      if (!(s >= 0 && s < grid_.n[static_cast<std::size_t>(a)])) is_inside = false;
+      if (a == 2 && is_inside) slab = static_cast<int>(s);
+    }
+    slab_of_[q] = is_inside ? slab : -1;
+    if (is_inside) ++slab_start_[static_cast<std::size_t>(slab) + 1];
+    else ++skipped;
+  }
+  for (std::size_t k = 0; k + 1 < slab_start_.size(); ++k) slab_start_[k + 1] += slab_start_[k];
+  order_.resize(static_cast<std::size_t>(slab_start_.back()));
+  scaled_.resize(3 * order_.size());
+  std::vector<int>& next = slab_start_;  // shifted while filling, restored below
+  for (std::size_t q = 0; q < count; ++q) {
+    if (slab_of_[q] < 0) continue;
+    const std::size_t at = static_cast<std::size_t>(next[static_cast<std::size_t>(slab_of_[q])]++);
+    order_[at] = active[q];
+    for (int a = 0; a < 3; ++a) scaled_[3 * at + static_cast<std::size_t>(a)] = (positions[static_cast<std::size_t>(3 * active[q] + a)] - grid_.lower[a]) * inverse_h;
+  }
+  for (std::size_t k = slab_start_.size() - 1; k > 0; --k) slab_start_[k] = slab_start_[k - 1];
+  slab_start_[0] = 0;
+  return skipped;
+}
+
+template <Kernel K>
+void Transfer::interpolate_with(const FaceField& velocity, std::span<double> velocities) const {
+  const std::ptrdiff_t sy = grid_.stride_y(), sz = grid_.stride_z();
+  parallel_for(static_cast<std::ptrdiff_t>(order_.size()), [&](std::ptrdiff_t q) {
+    const PointWeights<K> weights(scaled_.data() + 3 * q);
+    double* out = velocities.data() + 3 * order_[static_cast<std::size_t>(q)];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const KernelWeights& wx = weights.w[c][0];
+      const KernelWeights& wy = weights.w[c][1];
+      const KernelWeights& wz = weights.w[c][2];
+      const double* base = velocity.c[c].data() + grid_.index(wx.first, wy.first, wz.first);
+      const double* open = open_[c].data() + (wx.first + FluidGrid::ghosts) + sy * (wy.first + FluidGrid::ghosts);
+      double sum = 0;
+      for (int j = 0; j < wy.width; ++j) {
+        double wxy[kernel_width_max] = {0, 0, 0, 0};
+        for (int i = 0; i < wx.width; ++i) wxy[i] = wx.w[i] * wy.w[j] * open[i + sy * j];
+        for (int k = 0; k < wz.width; ++k) {
+          const double* row = base + sy * j + sz * k;
+          double line = 0;
+          for (int i = 0; i < wx.width; ++i) line += wxy[i] * row[i];
+          sum += wz.w[k] * line;
+        }
+      }
+      out[c] = sum;
+    }
+  });
+}
+
+template <Kernel K>
+void Transfer::spread_with(std::span<const double> forces, FaceField& force_density) const {
+  const std::ptrdiff_t sy = grid_.stride_y(), sz = grid_.stride_z();
+  const double per_volume = 1.0 / (grid_.h * grid_.h * grid_.h);
+  // A thread owns a range of planes and takes only the share of each point that falls there. Cut where the points are, not the planes.
+  const std::ptrdiff_t planes = grid_.n[2] + 1;
+  const std::ptrdiff_t points = static_cast<std::ptrdiff_t>(order_.size());
+  auto plane_of_share = [&](std::ptrdiff_t share, std::ptrdiff_t teams) -> std::ptrdiff_t {
+    if (share == 0) return -FluidGrid::ghosts;
+    if (share == teams) return planes + FluidGrid::ghosts;
+    const auto it = std::lower_bound(slab_start_.begin(), slab_start_.end(), static_cast<int>(points * share / teams));
+    return it - slab_start_.begin();
+  };
+  const std::ptrdiff_t teams = points < serial_loop_limit ? 1 : thread_count();
+  parallel_for(
+      teams,
+      [&](std::ptrdiff_t t) {
+        const std::ptrdiff_t k_begin = plane_of_share(t, teams), k_end = plane_of_share(t + 1, teams);
+        const auto slab = [&](std::ptrdiff_t k) { return slab_start_[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k, 0, grid_.n[2]))]; };
+        for (int q = slab(k_begin - reach); q < slab(k_end + reach); ++q) {
+          const PointWeights<K> weights(scaled_.data() + 3 * q);
+          const double* force = forces.data() + 3 * order_[static_cast<std::size_t>(q)];
+          for (std::size_t c = 0; c < 3; ++c) {
+            const KernelWeights& wx = weights.w[c][0];
+            const KernelWeights& wy = weights.w[c][1];
+            const KernelWeights& wz = weights.w[c][2];
+            double* base = force_density.c[c].data() + grid_.index(wx.first, wy.first, wz.first);
+            const double* open = open_[c].data() + (wx.first + FluidGrid::ghosts) + sy * (wy.first + FluidGrid::ghosts);
+            const double f = force[c] * per_volume;
+            const int k0 = std::max<int>(0, static_cast<int>(k_begin) - wz.first);
+            const int k1 = std::min<int>(wz.width, static_cast<int>(k_end) - wz.first);
+            for (int j = 0; j < wy.width; ++j) {
+              double wxy[kernel_width_max] = {0, 0, 0, 0};
+              for (int i = 0; i < wx.width; ++i) wxy[i] = f * wx.w[i] * wy.w[j] * open[i + sy * j];
+              for (int k = k0; k < k1; ++k) {
+                double* row = base + sy * j + sz * k;
+                for (int i = 0; i < wx.width; ++i) row[i] += wz.w[k] * wxy[i];
+              }
+            }
+          }
+        }
+      },
+      2);
+}
+
+void Transfer::interpolate(const FaceField& velocity, std::span<double> velocities) const {
+  switch (kernel_) {
+    case Kernel::ib3: return interpolate_with<Kernel::ib3>(velocity, velocities);
+    case Kernel::ib4: return interpolate_with<Kernel::ib4>(velocity, velocities);
+    case Kernel::cbs32: return interpolate_with<Kernel::cbs32>(velocity, velocities);
+  }
+}
+
+void Transfer::spread(std::span<const double> forces, FaceField& force_density) const {
+  switch (kernel_) {
+    case Kernel::ib3: return spread_with<Kernel::ib3>(forces, force_density);
+    case Kernel::ib4: return spread_with<Kernel::ib4>(forces, force_density);
+    case Kernel::cbs32: return spread_with<Kernel::cbs32>(forces, force_density);
+  }
+}
+
+}  // namespace mv
