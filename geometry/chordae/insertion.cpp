@@ -15,7 +15,7 @@ namespace mv {
 namespace {
 
 // Nodes at most this many elements apart are joined by straight lines: the graph distance is then at most about 2 % too long.
-constexpr int rings = 3;
+constexpr int rings = 4;
 // The weights are a share of one, so this is round-off of a sum over the nodes.
 constexpr double weight_tolerance = 1e-12;
 constexpr int max_active_set_rounds = 200;
@@ -198,7 +198,7 @@ InfluenceSphere influence_sphere(const LeafletGraph& graph, const Vec3& target, 
     throw InputError("chordae: the end " + text(*end) + " does not lie among the nodes of its influence sphere of " + std::to_string(radius) +
                      " mm at " + text(target));
   InfluenceSphere sphere;
-  // The last node takes the round-off of the sum, so that the total is one to the last digit that a sum can give.
+  // Shares too small to matter are dropped before the sum is made one.
   for (std::size_t i = 0; i < weight.size(); ++i)
     if (weight[i] > weight_tolerance) sphere.weights.emplace_back(reached[i].node, weight[i]);
   double total = 0;
@@ -250,20 +250,21 @@ InsertionReport check_insertions(const LeafletMesh& mesh, const Chordae& chordae
     const bool is_bad = !(sum_error < tolerance) || !(position_error < tolerance) || is_one_faced;
     if (is_bad && report.first_bad_point < 0) report.first_bad_point = point;
   }
-  // Every segment end that is neither a muscle nor a branch point must be inserted.
-  std::vector<int> uses(chordae.points.size(), 0);
+  // A point at which segments only end must hang on the leaflet.
+  std::vector<char> is_start(chordae.points.size(), 0), is_end(chordae.points.size(), 0);
   for (const ChordaSegment& s : chordae.segments) {
-    ++uses[at(s.a)];
-    uses[at(s.b)] += 2;
+    if (s.a < 0 || s.b < 0 || at(s.a) >= is_start.size() || at(s.b) >= is_start.size()) {
+      is_index_wrong = true;
+      continue;
+    }
+    is_start[at(s.a)] = 1;
+    is_end[at(s.b)] = 1;
   }
-  for (std::size_t p = 0; p < uses.size(); ++p) {
-    const bool is_leaf = uses[p] > 0 && uses[p] % 2 == 0;
-    const bool is_muscle = p < chordae.muscle_of_point.size() && chordae.muscle_of_point[p] >= 0;
-    if (is_leaf && !is_muscle && !tally.count(static_cast<int>(p))) {
+  for (std::size_t p = 0; p < is_end.size(); ++p)
+    if (is_end[p] && !is_start[p] && !tally.count(static_cast<int>(p))) {
       is_index_wrong = true;
       if (report.first_bad_point < 0) report.first_bad_point = static_cast<int>(p);
     }
-  }
   report.passed = !is_index_wrong && report.first_bad_point < 0 && report.weight_min >= 0;
   return report;
 }

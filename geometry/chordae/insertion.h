@@ -31,7 +31,7 @@ class LeafletGraph {
   };
 
   /// Nodes whose distance along the leaflet from `target` (mm, in or next to the tissue) is below `radius`, by ascending node.
-  /// The distance is the shortest path in the graph that joins every node to those at most three elements away by straight lines, so
+  /// The distance is the shortest path in the graph that joins every node to those at most four elements away by straight lines, so
   /// it never crosses a gap between scallops; against the exact geodesic it is at most about 2 % long. The tissue near `target` is
   /// that of the node nearest to it. Empty when that node is further than `radius`.
   std::vector<Reached> within(const Vec3& target, double radius) const;

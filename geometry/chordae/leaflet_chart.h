@@ -35,43 +35,40 @@ class LeafletChart {
   /// Point of the mid-surface at (u, v); outside the pattern, the nearest point of it.
   SurfacePoint at(const Vec2& uv) const;
 
+  /// Starts at a commissure behind which the anterior leaflet follows; the last point is not repeated.
   const std::vector<BorderPoint>& border() const { return border_; }
   double border_length() const { return border_length_; }
   double period() const { return period_; }
 
-  /// (u, v) of the border at an arc length (wrapped) and the other way round for a border vertex.
+  /// (u, v) of the border at an arc length, which is wrapped; u lies within a period of the first border point's.
   Vec2 border_uv(double arc) const;
 
   /// Largest v of the border at u, mm.
   double height(double u) const;
 
-  /// Commissures and notches in the order of the border; the first is a commissure behind which the anterior leaflet follows.
+  /// Commissures and notches in the order of the border; the first is border point 0. A notch is a local minimum of v that lies at least 10 % of
+  /// the leaflet's height below the borders on its two sides.
   const std::vector<Junction>& junctions() const { return junctions_; }
 
  private:
-  struct FaceMap {
+  struct Face {
     std::vector<std::array<int, 3>> triangles;
     std::vector<int> regions;
-    std::vector<std::vector<int>> buckets;
   };
   struct Hit {
     Vec3 position;
-    Vec3 normal;
     int region;
-    double distance;
   };
-  void build_faces(const LeafletMesh& mesh);
+  static Face side_face(const LeafletMesh& mesh, int side);
   void build_border(const LeafletMesh& mesh);
   void find_junctions();
-  Hit locate(const FaceMap& face, const Vec2& uv) const;
-  double unwrap(double u, double near_u) const;
+  Hit locate(const Face& face, const Vec2& uv) const;
 
   std::vector<Vec3> points_;
   std::vector<Vec2> unfolded_;
-  double period_ = 0, u_min_ = 0, v_min_ = 0, cell_ = 1;
-  int columns_ = 0, rows_ = 0;
-  FaceMap atrial_, ventricular_;
-  std::vector<BorderPoint> border_;
+  double period_ = 0;
+  Face atrial_, ventricular_;
+  std::vector<BorderPoint> border_;  // the first is a commissure
   double border_length_ = 0;
   std::vector<Junction> junctions_;
 };

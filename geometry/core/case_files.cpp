@@ -13,6 +13,7 @@
 #include <vtkPolyData.h>
 #include <vtkUnstructuredGrid.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <limits>
 #include <stdexcept>

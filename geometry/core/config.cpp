@@ -8,6 +8,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <numeric>
 #include <sstream>
@@ -62,8 +63,15 @@ bool is_section(const std::string& name) {
 }
 
 [[noreturn]] void refuse_unknown(const std::string& name, const std::string& value, const std::string& where) {
+  if (is_section(name)) {
+    throw ConfigError(where + ": '" + name + "' has the value " + value + ": expected a section with keys, such as [" + name + "]");
+  }
   std::vector<std::string> names;
-  for (const ConfigKey& key : config_schema()) names.push_back(key.name);
+  for (const ConfigKey& key : config_schema()) {
+    const std::string section = key.name.substr(0, key.name.rfind('.'));
+    if (names.empty() || !names.back().starts_with(section + ".")) names.push_back(section);
+    names.push_back(key.name);
+  }
   throw ConfigError(where + ": unknown key '" + name + "'" + (value.empty() ? "" : " (value " + value + ")") + "; did you mean '" +
                     nearest_name(name, names) + "'? expected one of the keys that `mvprep config` lists");
 }
@@ -127,24 +135,36 @@ std::string number_in_unit(double si, double factor) {
   return shortest(quotient);
 }
 
-/// A real number in TOML needs a point or an exponent to be one; the reader takes whole numbers too, so that 2 stays 2.
+std::string quoted(const std::string& text) {
+  std::string out(1, '"');
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      out += '\\';
+      out += c;
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      std::array<char, 8> escape;
+      std::snprintf(escape.data(), escape.size(), "\\u%04X", static_cast<unsigned>(static_cast<unsigned char>(c)));
+      out += escape.data();
+    } else {
+      out += c;
+    }
+  }
+  out += '"';
+  return out;
+}
+
+/// The reader takes whole numbers for real ones, so that 2 stays 2.
 std::string quantity_text(const ConfigKey& key, double si) {
   if (key.dimension == Dimension::none) return shortest(si);
   const double factor = unit_factor(key.unit);
   const std::string number = number_in_unit(si, factor);
   double back = 0;
   std::from_chars(number.data(), number.data() + number.size(), back);
-  if (back * factor == si) return "\"" + number + " " + key.unit + "\"";
+  if (back * factor == si) return quoted(number + " " + key.unit);
   for (const std::string& unit : units_of(key.dimension)) {  // a unit of factor one always returns the same bits
-    if (unit_factor(unit) == 1.0) return "\"" + shortest(si) + " " + unit + "\"";
+    if (unit_factor(unit) == 1.0) return quoted(shortest(si) + " " + unit);
   }
-  return "\"" + number + " " + key.unit + "\"";
-}
-
-std::string quoted(const std::string& text) {
-  std::ostringstream out;
-  out << toml::value<std::string>(text);
-  return out.str();
+  return quoted(number + " " + key.unit);
 }
 
 }  // namespace
@@ -269,6 +289,8 @@ std::string Config::to_toml(bool commented) const {
     }
     if (commented) {
       text += "# " + key.doc;
+      const std::string range = range_text(key);
+      if (!range.empty()) text += ";" + range;
       for (std::size_t i = 0; i < key.choices.size(); ++i) text += (i ? " | " : ": ") + key.choices[i];
       text += "\n";
     }

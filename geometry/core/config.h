@@ -40,6 +40,9 @@ const ConfigKey& config_key(const std::string& name);
 /// Value as it is written in TOML, e.g. "\"0.5 mm\"" or "[1, 0, 0]".
 std::string value_text(const ConfigKey& key, const ConfigValue& value);
 
+/// " from 0.05 mm to 10 mm", " of at least 0 Pa", or nothing.
+std::string range_text(const ConfigKey& key);
+
 /// All keys, in the order in which they are written back.
 const std::vector<ConfigKey>& config_schema();
 
@@ -80,6 +83,7 @@ class Config {
 
   /// Directory that relative paths in the file refer to.
   std::filesystem::path base_directory() const { return base_directory_; }
+  void set_base_directory(std::filesystem::path directory) { base_directory_ = std::move(directory); }
 
  private:
   std::map<std::string, ConfigValue> values_;

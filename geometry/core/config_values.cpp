@@ -24,14 +24,6 @@ std::string in_unit(const ConfigKey& key, double si) {
   return text;
 }
 
-std::string range_text(const ConfigKey& key) {
-  const bool has_low = key.minimum > -1e300, has_high = key.maximum < 1e300;
-  if (has_low && has_high) return " from " + in_unit(key, key.minimum) + " to " + in_unit(key, key.maximum);
-  if (has_low) return " of at least " + in_unit(key, key.minimum);
-  if (has_high) return " of at most " + in_unit(key, key.maximum);
-  return "";
-}
-
 std::string expected(const ConfigKey& key) {
   const std::string with_auto = key.can_be_auto ? ", or \"auto\"" : "";
   const std::string times = key.count ? std::to_string(key.count) + " " : "";
@@ -115,6 +107,14 @@ RawValue raw_item(const ConfigKey& key, std::string_view text) {
 
 }  // namespace
 
+std::string range_text(const ConfigKey& key) {
+  const bool has_low = key.minimum > -1e300, has_high = key.maximum < 1e300;
+  if (has_low && has_high) return " from " + in_unit(key, key.minimum) + " to " + in_unit(key, key.maximum);
+  if (has_low) return " of at least " + in_unit(key, key.minimum);
+  if (has_high) return " of at most " + in_unit(key, key.maximum);
+  return "";
+}
+
 ConfigValue checked_value(const ConfigKey& key, const RawValue& raw, const std::string& where) {
   if (is_list_type(key)) {
     if (key.can_be_auto && asks_for_auto(raw)) return key.type == "strings" ? ConfigValue(std::vector<std::string>{}) : ConfigValue(std::vector<double>{});
@@ -148,7 +148,7 @@ ConfigValue checked_value(const ConfigKey& key, const RawValue& raw, const std::
   }
   if (raw.kind != Kind::text) refuse(key, raw, where, "");
   if (key.type == "choice" && std::find(key.choices.begin(), key.choices.end(), raw.text) == key.choices.end()) {
-    refuse(key, raw, where, "did you mean \"" + nearest_name(raw.text, key.choices) + "\"?");
+    refuse(key, raw, where, "nearest is \"" + nearest_name(raw.text, key.choices) + "\"");
   }
   return raw.text;
 }

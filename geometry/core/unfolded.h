@@ -12,9 +12,9 @@
 namespace mv {
 
 /// Period of the unfolded coordinate u (mm), or 0 when no element crosses a seam (an open patch, or one leaflet alone).
-/// Elements on the seam are those that span more than half of the whole range of u. On the annulus the pattern keeps lengths, so the
-/// period is the raw jump of an annulus edge on the seam plus that edge's own length (first of: shortest such edge; without one, the
-/// range of u plus the mean edge length in u is used).
+/// Elements on the seam are those that span more than half of the whole range of u. On the mid-surface's annulus the pattern keeps
+/// lengths, so the period is the raw jump of the annulus edge on the seam plus that edge's length, averaged over the atrial and the ventricular face
+/// (which lie equally far inside and outside). Without such an edge: the range of u plus the widest edge elsewhere.
 inline double unfolded_period(const LeafletMesh& mesh) {
   if (mesh.unfolded.empty()) return 0;
   double u_min = mesh.unfolded[0].x(), u_max = u_min;
@@ -23,7 +23,8 @@ inline double unfolded_period(const LeafletMesh& mesh) {
     u_max = std::max(u_max, p.x());
   }
   const double range = u_max - u_min;
-  double period = 0, shortest = 0, widest_inner = 0;
+  double widest_inner = 0;
+  double length_of_side[2] = {0, 0}, period_of_side[2] = {0, 0};
   bool has_seam = false;
   for (const auto& tet : mesh.tets) {
     for (int i = 0; i < 4; ++i) {
@@ -36,17 +37,20 @@ inline double unfolded_period(const LeafletMesh& mesh) {
           continue;
         }
         has_seam = true;
-        if (!mesh.on_annulus[a] || !mesh.on_annulus[b] || mesh.side[a] != mesh.side[b]) continue;
+        if (!mesh.on_annulus[a] || !mesh.on_annulus[b] || mesh.side[a] != mesh.side[b] || mesh.side[a] == between) continue;
         const double length = (mesh.points[a] - mesh.points[b]).norm();
-        if (shortest == 0 || length < shortest) {
-          shortest = length;
-          period = jump + length;
+        const int face = mesh.side[a] == atrial ? 0 : 1;
+        if (length_of_side[face] == 0 || length < length_of_side[face]) {
+          length_of_side[face] = length;
+          period_of_side[face] = jump + length;
         }
       }
     }
   }
   if (!has_seam) return 0;
-  return period > 0 ? period : range + widest_inner;
+  if (period_of_side[0] > 0 && period_of_side[1] > 0) return 0.5 * (period_of_side[0] + period_of_side[1]);
+  const double one_face = std::max(period_of_side[0], period_of_side[1]);
+  return one_face > 0 ? one_face : range + widest_inner;
 }
 
 /// The image of u_b that lies nearest to u_a.

@@ -119,7 +119,8 @@ double parse_quantity(std::string_view text, Dimension dimension, const std::str
     throw ConfigError(what + " has the value \"" + std::string(text) + "\": " + why + expected);
   };
   double value = 0;
-  const char* begin = body.data() + (body.starts_with('+') ? 1 : 0);
+  const bool has_plus = body.starts_with('+') && !body.starts_with("+-");
+  const char* begin = body.data() + (has_plus ? 1 : 0);
   const auto [end, failure] = std::from_chars(begin, body.data() + body.size(), value);
   if (failure != std::errc{}) return refuse("");
   if (!std::isfinite(value)) return refuse("not finite; ");

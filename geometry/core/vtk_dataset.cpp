@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/core/vtk_dataset.h"
 
-#include <vtkCallbackCommand.h>
 #include <vtkCellData.h>
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
 #include <vtkImageData.h>
 #include <vtkIntArray.h>
+#include <vtkLogger.h>
 #include <vtkNew.h>
+#include <vtkObjectFactory.h>
+#include <vtkOutputWindow.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 #include <vtkStringArray.h>
@@ -21,6 +23,7 @@
 
 #include <cassert>
 #include <cmath>
+#include <mutex>
 #include <new>
 #include <stdexcept>
 
@@ -33,10 +36,45 @@ namespace {
 const std::string hash_opens = "<!-- sha256 ";
 const std::string hash_closes = " -->\n";
 
-void collect_error(vtkObject*, unsigned long, void* client, void* message) {
-  auto& text = *static_cast<std::string*>(client);
-  if (text.empty() && message) text = static_cast<const char*>(message);
-}
+/// Takes every VTK error, also those of objects inside a reader, instead of printing it.
+class ErrorCollector : public vtkOutputWindow {
+ public:
+  vtkTypeMacro(ErrorCollector, vtkOutputWindow)
+  static ErrorCollector* New();
+  void DisplayText(const char*) override {}
+  void DisplayErrorText(const char* message) override {
+    if (first_error.empty() && message) first_error = message;
+  }
+  std::string first_error;
+};
+vtkStandardNewMacro(ErrorCollector)
+
+/// Redirects VTK's messages, which are global, to a collector while it lives.
+class CollectErrors {
+ public:
+  CollectErrors()
+      : lock_(mutex()), previous_(vtkOutputWindow::GetInstance()), verbosity_(vtkLogger::GetCurrentVerbosityCutoff()) {
+    vtkOutputWindow::SetInstance(collector_);
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+  }
+  ~CollectErrors() {
+    vtkLogger::SetStderrVerbosity(verbosity_);
+    vtkOutputWindow::SetInstance(previous_);
+  }
+  CollectErrors(const CollectErrors&) = delete;
+  CollectErrors& operator=(const CollectErrors&) = delete;
+  const std::string& first() const { return collector_->first_error; }
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex m;
+    return m;
+  }
+  std::lock_guard<std::mutex> lock_;
+  vtkNew<ErrorCollector> collector_;
+  vtkSmartPointer<vtkOutputWindow> previous_;
+  vtkLogger::Verbosity verbosity_;
+};
 
 /// Last line of a VTK message, which carries the meaning.
 std::string essence(std::string text) {
@@ -88,14 +126,8 @@ template <class Reader, class Data>
 vtkSmartPointer<Data> read_with(const std::filesystem::path& file, const char* kind) {
   const std::string bytes = checked_bytes(file);
   if (bytes.find(std::string("type=\"") + kind + "\"") == std::string::npos) refuse(file, std::string("not a VTK XML file of type ") + kind);
-  std::string error;
-  vtkNew<vtkCallbackCommand> observer;
-  observer->SetCallback(collect_error);
-  observer->SetClientData(&error);
+  const CollectErrors errors;
   vtkNew<Reader> reader;
-  reader->AddObserver("ErrorEvent", observer);
-  reader->SetReaderErrorObserver(observer);
-  reader->SetParserErrorObserver(observer);
   reader->ReadFromInputStringOn();
   reader->SetInputString(bytes);
   try {
@@ -105,7 +137,7 @@ vtkSmartPointer<Data> read_with(const std::filesystem::path& file, const char* k
   } catch (const std::length_error&) {
     refuse(file, "damaged: it announces more data than fit into memory");
   }
-  if (!error.empty() || reader->GetErrorCode() != 0) refuse(file, "damaged: " + essence(error));
+  if (!errors.first().empty() || reader->GetErrorCode() != 0) refuse(file, "damaged: " + essence(errors.first()));
   vtkSmartPointer<Data> data = reader->GetOutput();
   if (!data) refuse(file, "damaged: nothing could be read");
   const DatasetReader check(file, data);

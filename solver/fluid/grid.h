@@ -45,7 +45,7 @@ struct FaceField {
 };
 
 /// What bounds the box on each side.
-enum class Side3 : int {
+enum class BoundaryKind : int {
   wall,      // no slip, normal velocity zero; tangential velocity of the wall given
   open,      // pressure given, velocity free
   symmetry,  // normal velocity zero, no shear
@@ -54,7 +54,7 @@ enum class Side3 : int {
 
 struct FluidBoundary {
   // [axis][0 lower, 1 upper]
-  std::array<std::array<Side3, 2>, 3> side{{{Side3::wall, Side3::wall}, {Side3::wall, Side3::wall}, {Side3::open, Side3::open}}};
+  std::array<std::array<BoundaryKind, 2>, 3> side{{{BoundaryKind::wall, BoundaryKind::wall}, {BoundaryKind::wall, BoundaryKind::wall}, {BoundaryKind::open, BoundaryKind::open}}};
   std::array<std::array<Eigen::Vector3d, 2>, 3> wall_velocity{};  // m/s, used on walls
   FluidBoundary() {
     for (auto& axis : wall_velocity) axis = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};

@@ -16,9 +16,9 @@ std::array<std::array<PoissonSide, 2>, 3> poisson_sides(const FluidBoundary& bou
   std::array<std::array<PoissonSide, 2>, 3> sides{};
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t s = 0; s < 2; ++s) {
-      const Side3 kind = boundary.side[axis][s];
-      sides[axis][s] = kind == Side3::open       ? PoissonSide::dirichlet_at_face
-                       : kind == Side3::periodic ? PoissonSide::periodic
+      const BoundaryKind kind = boundary.side[axis][s];
+      sides[axis][s] = kind == BoundaryKind::open       ? PoissonSide::dirichlet_at_face
+                       : kind == BoundaryKind::periodic ? PoissonSide::periodic
                                                  : PoissonSide::neumann;
     }
   return sides;
@@ -27,7 +27,7 @@ std::array<std::array<PoissonSide, 2>, 3> poisson_sides(const FluidBoundary& bou
 // Faces of component c along an axis: one more than cells on its own axis, the last one a copy when periodic.
 int faces(const FluidGrid& grid, const FluidBoundary& boundary, std::size_t component, std::size_t axis) {
   const int n = grid.n[axis];
-  return component == axis && boundary.side[axis][0] != Side3::periodic ? n + 1 : n;
+  return component == axis && boundary.side[axis][0] != BoundaryKind::periodic ? n + 1 : n;
 }
 
 }  // namespace
@@ -44,8 +44,8 @@ NavierStokes::NavierStokes(const FluidGrid& grid, const FluidBoundary& boundary,
       increment_(grid.padded_size(), 0.0),
       partial_(static_cast<std::size_t>(grid.n[2] + 1)) {}
 
-FluidState NavierStokes::make_state() const {
-  FluidState state;
+FlowState NavierStokes::make_state() const {
+  FlowState state;
   state.velocity = FaceField(grid_);
   state.pressure.assign(grid_.padded_size(), 0.0);
   state.rate_old = FaceField(grid_);
@@ -66,7 +66,7 @@ void NavierStokes::apply_velocity_boundary(FaceField& velocity) const {
         for (int q1 = 0; q1 < m1; ++q1) {
           double* line = data + q1 * stride[a1] + q2 * stride[a2] + g * s;  // entry 0 is the first cell or face
           const double* normal = velocity.c[axis].data() + q1 * stride[a1] + q2 * stride[a2] + g * s;
-          if (boundary_.side[axis][0] == Side3::periodic) {
+          if (boundary_.side[axis][0] == BoundaryKind::periodic) {
             line[-s] = line[(n - 1) * s];
             line[-2 * s] = line[(n - 2 >= 0 ? n - 2 : n - 1) * s];
             line[n * s] = line[0];
@@ -75,28 +75,28 @@ void NavierStokes::apply_velocity_boundary(FaceField& velocity) const {
             continue;
           }
           for (std::size_t side = 0; side < 2; ++side) {
-            const Side3 kind = boundary_.side[axis][side];
+            const BoundaryKind kind = boundary_.side[axis][side];
             // Walk outwards from the boundary: `in` points to the interior, `out` beyond it.
             const std::ptrdiff_t out = side == 0 ? -s : s;
             if (is_normal) {
               double* face = line + (side == 0 ? 0 : n) * s;
-              if (kind == Side3::open) {
+              if (kind == BoundaryKind::open) {
                 face[out] = face[0];
                 face[2 * out] = face[0];
               } else {
-                const double v = kind == Side3::wall ? boundary_.wall_velocity[axis][side][static_cast<Eigen::Index>(axis)] : 0.0;
+                const double v = kind == BoundaryKind::wall ? boundary_.wall_velocity[axis][side][static_cast<Eigen::Index>(axis)] : 0.0;
                 face[0] = v;
                 face[out] = 2 * v - face[-out];
                 if (2 <= n) face[2 * out] = 2 * v - face[-2 * out];
               }
             } else {
               double* cell = line + (side == 0 ? 0 : n - 1) * s;
-              if (kind == Side3::open) {
+              if (kind == BoundaryKind::open) {
                 const double entering = side == 0 ? normal[0] : -normal[n * s];
                 const double value = entering > 0 ? 0.0 : cell[0];
                 cell[out] = value;
                 cell[2 * out] = value;
-              } else if (kind == Side3::symmetry) {
+              } else if (kind == BoundaryKind::symmetry) {
                 cell[out] = cell[0];
                 cell[2 * out] = n > 1 ? cell[-out] : cell[0];
               } else {
@@ -121,13 +121,13 @@ void NavierStokes::fill_pressure_ghosts(std::vector<double>& p, const std::array
     for (int q2 = 0; q2 < grid_.n[a2]; ++q2) {
       for (int q1 = 0; q1 < grid_.n[a1]; ++q1) {
         double* line = p.data() + (q1 + g) * stride[a1] + (q2 + g) * stride[a2] + g * s;
-        if (boundary_.side[axis][0] == Side3::periodic) {
+        if (boundary_.side[axis][0] == BoundaryKind::periodic) {
           line[-s] = line[(n - 1) * s];
           line[n * s] = line[0];
           continue;
         }
-        line[-s] = boundary_.side[axis][0] == Side3::open ? 2 * boundary_value[axis][0] - line[0] : line[0];
-        line[n * s] = boundary_.side[axis][1] == Side3::open ? 2 * boundary_value[axis][1] - line[(n - 1) * s] : line[(n - 1) * s];
+        line[-s] = boundary_.side[axis][0] == BoundaryKind::open ? 2 * boundary_value[axis][0] - line[0] : line[0];
+        line[n * s] = boundary_.side[axis][1] == BoundaryKind::open ? 2 * boundary_value[axis][1] - line[(n - 1) * s] : line[(n - 1) * s];
       }
     }
   }
@@ -187,9 +187,9 @@ void NavierStokes::compute_rate(const FaceField& velocity, FaceField& rate, doub
   }
 }
 
-FluidStepReport NavierStokes::advance(FluidState& state, const FaceField& force, double dt,
+FlowStepReport NavierStokes::advance(FlowState& state, const FaceField& force, double dt,
                                       const std::array<std::array<double, 2>, 3>& boundary_pressure) {
-  FluidStepReport report;
+  FlowStepReport report;
   const std::ptrdiff_t sy = grid_.stride_y(), sz = grid_.stride_z();
   const std::array<std::ptrdiff_t, 3> stride{1, sy, sz};
   const double h = grid_.h, inverse_h = 1.0 / h;
@@ -224,7 +224,7 @@ FluidStepReport NavierStokes::advance(FluidState& state, const FaceField& force,
   };
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t side = 0; side < 2; ++side)
-      if (boundary_.side[axis][side] == Side3::open) flow_before[axis][side] = open_side_flow(axis, side, true);
+      if (boundary_.side[axis][side] == BoundaryKind::open) flow_before[axis][side] = open_side_flow(axis, side, true);
 
   // Predictor: u* = u + dt (3/2 N - 1/2 N_old) + dt/rho (f - grad p), at rest outside the tube.
   fill_pressure_ghosts(state.pressure, state.boundary_pressure);
@@ -260,7 +260,7 @@ FluidStepReport NavierStokes::advance(FluidState& state, const FaceField& force,
   std::array<std::array<double, 2>, 3> boundary_increment{};
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t side = 0; side < 2; ++side)
-      if (boundary_.side[axis][side] == Side3::open) boundary_increment[axis][side] = boundary_pressure[axis][side] - state.boundary_pressure[axis][side];
+      if (boundary_.side[axis][side] == BoundaryKind::open) boundary_increment[axis][side] = boundary_pressure[axis][side] - state.boundary_pressure[axis][side];
   const double scale = density_ / dt * inverse_h;
   const int nx = grid_.n[0], ny = grid_.n[1], nz = grid_.n[2];
   parallel_for(
@@ -326,7 +326,7 @@ FluidStepReport NavierStokes::advance(FluidState& state, const FaceField& force,
 
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t side = 0; side < 2; ++side)
-      if (boundary_.side[axis][side] == Side3::open) {
+      if (boundary_.side[axis][side] == BoundaryKind::open) {
         const double flow = 0.5 * (flow_before[axis][side] + open_side_flow(axis, side, false));
         report.pressure_work += dt * flow * 0.5 * (boundary_pressure[axis][side] + state.boundary_pressure[axis][side]);
       }
@@ -337,7 +337,7 @@ FluidStepReport NavierStokes::advance(FluidState& state, const FaceField& force,
   return report;
 }
 
-double NavierStokes::relative_divergence(const FluidState& state) const {
+double NavierStokes::relative_divergence(const FlowState& state) const {
   const std::ptrdiff_t sy = grid_.stride_y(), sz = grid_.stride_z();
   double worst = 0, fastest = 1e-300;
   for (int k = 0; k < grid_.n[2]; ++k)
@@ -353,7 +353,7 @@ double NavierStokes::relative_divergence(const FluidState& state) const {
   return worst / fastest;
 }
 
-double NavierStokes::kinetic_energy(const FluidState& state) const {
+double NavierStokes::kinetic_energy(const FlowState& state) const {
   double sum = 0;
   for (std::size_t component = 0; component < 3; ++component) {
     const int mx = faces(grid_, boundary_, component, 0), my = faces(grid_, boundary_, component, 1), mz = faces(grid_, boundary_, component, 2);
@@ -371,7 +371,7 @@ double NavierStokes::kinetic_energy(const FluidState& state) const {
   return 0.5 * density_ * sum * grid_.h * grid_.h * grid_.h;
 }
 
-double NavierStokes::peak_velocity(const FluidState& state) const {
+double NavierStokes::peak_velocity(const FlowState& state) const {
   const std::ptrdiff_t sy = grid_.stride_y(), sz = grid_.stride_z();
   double peak = 0;
   for (int k = 0; k < grid_.n[2]; ++k)
@@ -386,14 +386,14 @@ double NavierStokes::peak_velocity(const FluidState& state) const {
   return std::sqrt(peak);
 }
 
-double NavierStokes::flow_through_z(const FluidState& state, int k) const {
+double NavierStokes::flow_through_z(const FlowState& state, int k) const {
   double sum = 0;
   for (int j = 0; j < grid_.n[1]; ++j)
     for (int i = 0; i < grid_.n[0]; ++i) sum += state.velocity.c[2][static_cast<std::size_t>(grid_.index(i, j, k))];
   return sum * grid_.h * grid_.h;
 }
 
-double NavierStokes::stable_step(const FluidState& state) const {
+double NavierStokes::stable_step(const FlowState& state) const {
   constexpr double courant = 0.3;
   const double h = grid_.h;
   const double diffusive = viscosity_ > 0 ? 0.4 * h * h * density_ / (wall_.stiffest_weight * viscosity_) : 1e300;

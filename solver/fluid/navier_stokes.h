@@ -19,7 +19,7 @@
 namespace mv {
 
 /// Every fluid unknown; copying it is rollback and checkpoint.
-struct FluidState {
+struct FlowState {
   FaceField velocity;             // m/s
   std::vector<double> pressure;   // Pa, padded layout
   FaceField rate_old;             // m/s2, advection + diffusion of the step before
@@ -28,7 +28,7 @@ struct FluidState {
 };
 
 /// What one step did, for the energy budget (J) and the flow.
-struct FluidStepReport {
+struct FlowStepReport {
   double viscous_loss = 0;       // J, dissipated by viscosity
   double advection_loss = 0;     // J, lost by the advection scheme (negative when it gains); transport through open sides excluded
   double pressure_work = 0;      // J, done by the pressures on the open sides
@@ -40,20 +40,20 @@ class NavierStokes {
  public:
   NavierStokes(const FluidGrid& grid, const FluidBoundary& boundary, TubeWall wall, double density, double viscosity);
 
-  FluidState make_state() const;
+  FlowState make_state() const;
 
   /// Advances by dt with the force density `force` (N/m3, padded layout) and the given boundary pressures (Pa) at the new time.
   /// No allocation.
-  FluidStepReport advance(FluidState& state, const FaceField& force, double dt, const std::array<std::array<double, 2>, 3>& boundary_pressure);
+  FlowStepReport advance(FlowState& state, const FaceField& force, double dt, const std::array<std::array<double, 2>, 3>& boundary_pressure);
 
   /// Largest |div u| h / max|u| over the cells (dimensionless).
-  double relative_divergence(const FluidState& state) const;
-  double kinetic_energy(const FluidState& state) const;       // J
-  double peak_velocity(const FluidState& state) const;        // m/s, of the face components at cell centres
+  double relative_divergence(const FlowState& state) const;
+  double kinetic_energy(const FlowState& state) const;       // J
+  double peak_velocity(const FlowState& state) const;        // m/s, of the face components at cell centres
   /// Volume flow (m3/s) through the z-plane of faces k, positive along +z.
-  double flow_through_z(const FluidState& state, int k) const;
+  double flow_through_z(const FlowState& state, int k) const;
   /// Largest step (s) that advection and diffusion allow.
-  double stable_step(const FluidState& state) const;
+  double stable_step(const FlowState& state) const;
 
   const FluidGrid& grid() const { return grid_; }
   const TubeWall& wall() const { return wall_; }

@@ -8,7 +8,7 @@ namespace mv {
 namespace {
 
 // Nearer walls are treated as this share of a cell away: bounds the viscous stencil, changes nothing measurable.
-constexpr double smallest_wall_fraction = 0.05;
+constexpr double smallest_wall_fraction = 0.01;
 
 // Fraction s in (0,1] of the way from p to p + step at which the polygon is crossed first; 1 when it is not.
 double first_crossing(const Eigen::Vector2d& p, const Eigen::Vector2d& step, const std::vector<Eigen::Vector2d>& polygon) {

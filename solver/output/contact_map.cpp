@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/output/contact_map.h"
 
+#include <vtkCellArray.h>
+#include <vtkIdList.h>
+#include <vtkPoints.h>
 #include <vtkPolyData.h>
-#include <vtkXMLPolyDataReader.h>
-#include <vtkXMLPolyDataWriter.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
+#include <stdexcept>
+#include <string>
+#include <utility>
 
-#include "geometry/core/case_files.h"
+#include "geometry/core/unfolded.h"
 #include "solver/output/vtk_helpers.h"
 
 namespace mv {
@@ -72,30 +76,6 @@ FaceTriangles collect_faces(const LeafletMesh& mesh, Accept&& accept) {
   return out;
 }
 
-/// Length of the closed pattern: the extent of u along the annulus plus the edge that closes it, taken as long in u as its
-/// neighbours are for their length in space.
-double estimate_pattern_length(const LeafletMesh& mesh, const FaceTriangles& faces, double u_min, double u_max) {
-  double u_inside = 0, x_inside = 0, x_seam = 0;
-  int seam_edges = 0;
-  const double half = (u_max - u_min) / 2;
-  for (const auto& t : faces.triangles)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto a = static_cast<std::size_t>(t[k]), b = static_cast<std::size_t>(t[(k + 1) % 3]);
-      if (mesh.on_annulus[a] == 0 || mesh.on_annulus[b] == 0) continue;
-      const double du = std::abs(mesh.unfolded[a].x() - mesh.unfolded[b].x());
-      const double dx = (mesh.points[a] - mesh.points[b]).norm();
-      if (du > half) {
-        x_seam += dx;
-        ++seam_edges;
-      } else {
-        u_inside += du;
-        x_inside += dx;
-      }
-    }
-  const double seam = seam_edges > 0 && x_inside > 0 ? x_seam / seam_edges * u_inside / x_inside : 0;
-  return u_max - u_min + seam;
-}
-
 }  // namespace
 
 FaceTriangles faces_on_side(const LeafletMesh& mesh, int side) {
@@ -107,27 +87,22 @@ FaceTriangles boundary_faces(const LeafletMesh& mesh) {
   return collect_faces(mesh, [](int, int, int) { return true; });
 }
 
-ContactMap make_contact_map(const LeafletMesh& mesh, std::span<const double> contact_pressures, std::span<const Vec3> contact_forces,
-                            std::span<const double> gaps, std::span<const char> in_belt, double pattern_length) {
-  const FaceTriangles faces = faces_on_side(mesh, atrial);
-  double u_min = std::numeric_limits<double>::infinity(), u_max = -u_min;
-  for (const auto& t : faces.triangles)
-    for (int p : t) {
-      u_min = std::min(u_min, mesh.unfolded[static_cast<std::size_t>(p)].x());
-      u_max = std::max(u_max, mesh.unfolded[static_cast<std::size_t>(p)].x());
-    }
-  if (pattern_length <= 0) pattern_length = estimate_pattern_length(mesh, faces, u_min, u_max);
-  const double half = (u_max - u_min) / 2;
+ContactMap make_contact_map(const LeafletMesh& mesh, std::span<const double> contact_pressures, std::span<const double> contact_forces,
+                            std::span<const double> gaps, std::span<const char> in_belt) {
+  const std::size_t np = mesh.points.size();
+  if (contact_pressures.size() != np || contact_forces.size() != 3 * np || gaps.size() != np || (!in_belt.empty() && in_belt.size() != np))
+    throw std::logic_error("contact map: sizes of the point data do not match the mesh");
+  const double period = unfolded_period(mesh);
 
   ContactMap map;
-  std::map<std::pair<int, int>, int> index;  // (mesh point, shifts) -> map point
-  const auto map_point = [&](int p, int shift, int region) {
-    const auto [at, is_new] = index.try_emplace({p, shift}, static_cast<int>(map.points.size()));
+  std::map<std::pair<int, bool>, int> index;  // (mesh point, drawn beyond the seam) -> map point
+  const auto map_point = [&](int p, bool is_beyond, int region) {
+    const auto [at, is_new] = index.try_emplace({p, is_beyond}, static_cast<int>(map.points.size()));
     if (is_new) {
       const auto i = static_cast<std::size_t>(p);
-      map.points.push_back(mesh.unfolded[i] + Vec2(shift * pattern_length, 0));
+      map.points.push_back(mesh.unfolded[i] + Vec2(is_beyond ? period : 0.0, 0));
       map.contact_pressure.push_back(contact_pressures[i] * 1e-3);
-      map.contact_force.push_back(contact_forces[i].norm());
+      map.contact_force.push_back(Vec3(contact_forces[3 * i], contact_forces[3 * i + 1], contact_forces[3 * i + 2]).norm());
       map.gap.push_back(gaps[i] * 1e3);
       map.region.push_back(region);
       map.mesh_point.push_back(p);
@@ -135,14 +110,15 @@ ContactMap make_contact_map(const LeafletMesh& mesh, std::span<const double> con
     }
     return at->second;
   };
+  const FaceTriangles faces = faces_on_side(mesh, atrial);
   for (std::size_t f = 0; f < faces.triangles.size(); ++f) {
     const auto& t = faces.triangles[f];
-    double highest = -std::numeric_limits<double>::infinity();
-    for (int p : t) highest = std::max(highest, mesh.unfolded[static_cast<std::size_t>(p)].x());
+    const auto u = [&](int p) { return mesh.unfolded[static_cast<std::size_t>(p)].x(); };
+    const double highest = std::max({u(t[0]), u(t[1]), u(t[2])});
     std::array<int, 3> mapped;
     for (std::size_t k = 0; k < 3; ++k) {
-      const bool is_beyond_seam = highest - mesh.unfolded[static_cast<std::size_t>(t[k])].x() > half;
-      mapped[k] = map_point(t[k], is_beyond_seam ? 1 : 0, mesh.region[static_cast<std::size_t>(faces.element[f])]);
+      const bool is_beyond = period > 0 && highest - u(t[k]) > period / 2;
+      mapped[k] = map_point(t[k], is_beyond, mesh.region[static_cast<std::size_t>(faces.element[f])]);
     }
     map.triangles.push_back(mapped);
   }
@@ -151,9 +127,7 @@ ContactMap make_contact_map(const LeafletMesh& mesh, std::span<const double> con
 
 void write_contact_map(const std::filesystem::path& file, const ContactMap& map) {
   vtkNew<vtkPolyData> data;
-  vtk::add_text(data->GetFieldData(), "UnitSystem", "mm");
-  vtk::add_text(data->GetFieldData(), "SPACE", "unfolded");
-  vtk::add_text(data->GetFieldData(), "unit:points", "mm");
+  add_units(data, {{"points", "mm"}});
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
   for (const Vec2& p : map.points) points->InsertNextPoint(p.x(), p.y(), 0);
@@ -164,52 +138,54 @@ void write_contact_map(const std::filesystem::path& file, const ContactMap& map)
     triangles->InsertNextCell(3, ids);
   }
   data->SetPolys(triangles);
-  const auto count = static_cast<std::ptrdiff_t>(map.points.size());
-  const auto u = [](std::ptrdiff_t i) { return static_cast<std::size_t>(i); };
-  auto* at_points = data->GetPointData();
-  using Double = vtkDoubleArray;
-  vtk::add_scalars<Double>(data, at_points, "contact_pressure_kPa", "kPa", count, [&](auto i) { return map.contact_pressure[u(i)]; });
-  vtk::add_scalars<Double>(data, at_points, "contact_force_N", "N", count, [&](auto i) { return map.contact_force[u(i)]; });
-  vtk::add_scalars<Double>(data, at_points, "gap_mm", "mm", count,
-                           [&](auto i) { return std::isfinite(map.gap[u(i)]) ? map.gap[u(i)] : std::numeric_limits<double>::quiet_NaN(); });
-  vtk::add_scalars<vtkIntArray>(data, at_points, "region", "1", count, [&](auto i) { return map.region[u(i)]; });
-  vtk::add_scalars<vtkIntArray>(data, at_points, "mesh_point", "1", count, [&](auto i) { return map.mesh_point[u(i)]; });
+  const std::size_t count = map.points.size();
+  vtkFieldData* at_points = data->GetPointData();
+  const auto numbers = [&](const std::vector<double>& values, const char* name, const char* unit) {
+    vtk::add_array<vtkDoubleArray>(data, at_points, name, unit, 1, count, [&](auto i) { return values[i]; });
+  };
+  numbers(map.contact_pressure, "contact_pressure_kPa", "kPa");
+  numbers(map.contact_force, "contact_force_N", "N");
+  numbers(map.gap, "gap_mm", "mm");
+  vtk::add_array<vtkIntArray>(data, at_points, "region", "1", 1, count, [&](auto i) { return map.region[i]; });
+  vtk::add_array<vtkIntArray>(data, at_points, "mesh_point", "1", 1, count, [&](auto i) { return map.mesh_point[i]; });
   if (!map.in_belt.empty())
-    vtk::add_scalars<vtkUnsignedCharArray>(data, at_points, "in_belt", "1", count, [&](auto i) { return map.in_belt[u(i)] != 0; });
-  write_text_atomically(file, vtk::to_bytes<vtkXMLPolyDataWriter>(data));
+    vtk::add_array<vtkUnsignedCharArray>(data, at_points, "in_belt", "1", 1, count, [&](auto i) { return map.in_belt[i] != 0; });
+  write_vtk(file, data);
 }
 
 ContactMap read_contact_map(const std::filesystem::path& file) {
-  vtkNew<vtkXMLPolyDataReader> reader;
-  vtk::run_reader(reader.Get(), file);
-  vtkPolyData* data = reader->GetOutput();
-  const std::ptrdiff_t np = data->GetNumberOfPoints();
-  if (np == 0 || data->GetNumberOfCells() == 0) throw InputError(file.string() + ": the contact map is empty (damaged or incomplete?)");
+  using Place = DatasetReader::Place;
+  const auto data = read_poly_data(file);
+  const DatasetReader in(file, data);
+  const long np = data->GetNumberOfPoints();
+  if (np == 0 || data->GetNumberOfCells() == 0) in.fail("points", "is empty");
   ContactMap map;
-  for (std::ptrdiff_t i = 0; i < np; ++i) {
-    const double* p = data->GetPoint(i);
-    if (!std::isfinite(p[0]) || !std::isfinite(p[1])) throw InputError(file.string() + ": point " + std::to_string(i) + " is not finite");
-    map.points.emplace_back(p[0], p[1]);
-  }
-  for (vtkIdType i = 0; i < data->GetNumberOfCells(); ++i) {
-    vtkIdType n = 0;
-    const vtkIdType* ids = nullptr;
-    data->GetCellPoints(i, n, ids);
-    if (n != 3) throw InputError(file.string() + ": cell " + std::to_string(i) + " is not a triangle");
+  for (const Vec3& p : vtk::to_vectors(in.coordinates())) map.points.emplace_back(p.x(), p.y());
+  vtkNew<vtkIdList> ids;
+  for (vtkIdType c = 0; c < data->GetNumberOfCells(); ++c) {
+    data->GetCellPoints(c, ids);
+    if (ids->GetNumberOfIds() != 3) in.fail("polys", "is not a triangle at cell " + std::to_string(c));
     std::array<int, 3> t;
     for (std::size_t k = 0; k < 3; ++k) {
-      if (ids[k] < 0 || ids[k] >= np) throw InputError(file.string() + ": triangle " + std::to_string(i) + " names a missing point");
-      t[k] = static_cast<int>(ids[k]);
+      const vtkIdType id = ids->GetId(static_cast<vtkIdType>(k));
+      if (id < 0 || id >= np) in.fail("polys", "names a missing point in cell " + std::to_string(c));
+      t[k] = static_cast<int>(id);
     }
     map.triangles.push_back(t);
   }
-  vtkFieldData* at_points = data->GetPointData();
-  map.contact_pressure = vtk::scalars_of<double>(vtk::find_array(at_points, file, "contact_pressure_kPa", 1, np, true));
-  map.contact_force = vtk::scalars_of<double>(vtk::find_array(at_points, file, "contact_force_N", 1, np, true));
-  map.gap = vtk::scalars_of<double>(vtk::find_array(at_points, file, "gap_mm", 1, np, true, true));
-  map.region = vtk::scalars_of<int>(vtk::find_array(at_points, file, "region", 1, np, true));
-  map.mesh_point = vtk::scalars_of<int>(vtk::find_array(at_points, file, "mesh_point", 1, np, false));
-  map.in_belt = vtk::scalars_of<char>(vtk::find_array(at_points, file, "in_belt", 1, np, false));
+  constexpr long largest = std::numeric_limits<int>::max();
+  map.contact_pressure = in.reals(Place::points, "contact_pressure_kPa", 1, np);
+  map.contact_force = in.reals(Place::points, "contact_force_N", 1, np);
+  // NaN is an answer here (nothing faces the point), so the general check for finite values does not apply
+  vtkDataArray* gap = data->GetPointData()->GetArray("gap_mm");
+  if (gap == nullptr || gap->GetNumberOfComponents() != 1) in.fail("gap_mm", "is missing or not a scalar");
+  for (vtkIdType i = 0; i < np; ++i) map.gap.push_back(gap->GetComponent(i, 0));
+  map.region = in.integers(Place::points, "region", posterior, anterior, 1, np);
+  map.mesh_point = in.integers(Place::points, "mesh_point", 0, largest, 1, np);
+  if (in.has(Place::points, "in_belt")) {
+    const std::vector<int> belt = in.integers(Place::points, "in_belt", 0, 1, 1, np);
+    map.in_belt.assign(belt.begin(), belt.end());
+  }
   return map;
 }
 

@@ -24,12 +24,11 @@ struct ContactMap {
   std::vector<int> mesh_point;                 // index of the point in LeafletMesh; two points of the map may share one at the seam
 };
 
-/// Atrial faces of `mesh` on the flat pattern with per-mesh-point data (SI: Pa, N, m; `in_belt` may be empty). Faces that cross
-/// the pattern's seam (u jumps by more than half the pattern) are drawn at its right end with points of their own, shifted by the
-/// pattern's length. `pattern_length` in mm; <= 0 estimates it from the annulus spacing at the seam.
-ContactMap make_contact_map(const LeafletMesh& mesh, std::span<const double> contact_pressures,
-                            std::span<const Vec3> contact_forces, std::span<const double> gaps,
-                            std::span<const char> in_belt = {}, double pattern_length = 0);
+/// Atrial faces of `mesh` on the flat pattern with per-mesh-point data: Pa; N, xyz-interleaved; m (NaN where nothing faces the point);
+/// `in_belt` may be empty. Faces that cross the pattern's seam (see unfolded_period) are drawn at its right end with points of their
+/// own, so that no triangle spans the map.
+ContactMap make_contact_map(const LeafletMesh& mesh, std::span<const double> contact_pressures, std::span<const double> contact_forces,
+                            std::span<const double> gaps, std::span<const char> in_belt = {});
 
 /// contact_map.vtp: points (u, v, 0) in mm; point arrays contact_pressure_kPa, contact_force_N, gap_mm (NaN where nothing faces the
 /// point), region, mesh_point and, when given, in_belt. Throws IoError.

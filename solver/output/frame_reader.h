@@ -27,6 +27,7 @@ struct LeafletsFrame {
 struct ChordaeFrame {
   double time = 0;
   std::vector<Vec3> points;                       // mm
+  std::vector<int> muscle_of_point;               // papillary tip index for a root point, else -1
   std::vector<std::array<int, 2>> segments;
   std::vector<ChordaKind> kind;                   // per segment
   std::vector<double> tension;                    // N per segment, may be empty

@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/output/frame_writer.h"
 
+#include <vtkCellArray.h>
+#include <vtkCellType.h>
 #include <vtkImageData.h>
 #include <vtkMatrix3x3.h>
+#include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLDataElement.h>
-#include <vtkXMLImageDataWriter.h>
-#include <vtkXMLPolyDataWriter.h>
-#include <vtkXMLUnstructuredGridWriter.h>
 #include <vtkXMLUtilities.h>
 
-#include <cassert>
 #include <cctype>
+#include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <sstream>
+#include <stdexcept>
 
 #include "geometry/core/case_files.h"
+#include "geometry/core/errors.h"
 #include "solver/output/series.h"
 #include "solver/output/vtk_helpers.h"
 
@@ -33,8 +34,7 @@ constexpr double pascal_per_kPa = 1e3;
 /// Two instants closer than this are one: output times are multiples of a cadence far above it.
 constexpr double same_time = 1e-12;
 
-std::ptrdiff_t ssize_of(const auto& c) { return static_cast<std::ptrdiff_t>(c.size()); }
-
+Vec3 entry(std::span<const double> xyz, std::size_t i) { return {xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]}; }
 Vec3 to_world_mm(const SolverFrame& frame, const Vec3& x) { return frame.origin + frame.axes.transpose() * (mm_per_m * x); }
 Vec3 turn_to_world(const SolverFrame& frame, const Vec3& v) { return frame.axes.transpose() * v; }
 
@@ -95,48 +95,46 @@ void FrameWriter::open_collection(Collection& collection, double resume_time) {
   if (error) throw IoError((results_ / "frames").string() + ": cannot clear frames of an earlier run: " + error.message());
 }
 
-fs::path FrameWriter::store(Collection& collection, double time, const std::string& bytes) {
+fs::path FrameWriter::store(Collection& collection, double time, const std::function<void(const fs::path&)>& write) {
   std::vector<PvdEntry> entries = collection.entries;
   if (!entries.empty() && std::abs(entries.back().time - time) <= same_time) entries.pop_back();
-  char number[16];
+  char number[24];
   std::snprintf(number, sizeof number, "%04zu", entries.size());
   const std::string name = "frames/" + collection.name + "_" + number + "." + collection.extension;
   entries.push_back({time, name});
-  write_text_atomically(results_ / name, bytes);
+  write(results_ / name);
   write_pvd(results_ / (collection.name + ".pvd"), entries);
   collection.entries = std::move(entries);
   return results_ / name;
 }
 
 fs::path FrameWriter::write_leaflets(const LeafletsState& state) {
-  const std::size_t point_count = mesh_.points.size(), tet_count = mesh_.tets.size();
-  check_size(state.positions.size(), point_count, "positions", false);
-  check_size(state.velocities.size(), point_count, "velocities");
-  check_size(state.contact_forces.size(), point_count, "contact_forces");
-  check_size(state.contact_pressures.size(), point_count, "contact_pressures");
-  check_size(state.von_mises.size(), tet_count, "von_mises");
-  check_size(state.fibre_stresses.size(), tet_count, "fibre_stresses");
-  check_size(state.fibre_strains.size(), tet_count, "fibre_strains");
-  check_size(state.volume_ratios.size(), tet_count, "volume_ratios");
+  const std::size_t np = mesh_.points.size(), nt = mesh_.tets.size();
+  check_size(state.positions.size(), 3 * np, "positions", false);
+  check_size(state.velocities.size(), 3 * np, "velocities");
+  check_size(state.contact_forces.size(), 3 * np, "contact_forces");
+  check_size(state.contact_pressures.size(), np, "contact_pressures");
+  check_size(state.von_mises.size(), nt, "von_mises");
+  check_size(state.fibre_stresses.size(), nt, "fibre_stresses");
+  check_size(state.fibre_strains.size(), nt, "fibre_strains");
+  check_size(state.volume_ratios.size(), nt, "volume_ratios");
 
   vtkNew<vtkUnstructuredGrid> grid;
-  vtk::add_header(grid->GetFieldData(), state.time);
+  vtk::add_header(grid, state.time);
   const Vec3 &o = annulus_.origin, &n = annulus_.normal;
-  vtk::add_numbers<vtkDoubleArray>(grid->GetFieldData(), "annulus_origin", {o.x(), o.y(), o.z()});
-  vtk::add_text(grid->GetFieldData(), "unit:annulus_origin", "mm");
-  vtk::add_numbers<vtkDoubleArray>(grid->GetFieldData(), "annulus_normal", {n.x(), n.y(), n.z()});
-  vtk::add_text(grid->GetFieldData(), "unit:annulus_normal", "1");
+  vtk::add_field(grid, "annulus_origin", "mm", {o.x(), o.y(), o.z()});
+  vtk::add_field(grid, "annulus_normal", "1", {n.x(), n.y(), n.z()});
 
+  // double precision: the last frame is checked exactly for self-intersection
+  std::vector<Vec3> world(np);
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
-  points->SetNumberOfPoints(ssize_of(mesh_.points));
-  std::vector<Vec3> world(point_count);
-  for (std::size_t i = 0; i < point_count; ++i) {
-    world[i] = to_world_mm(frame_, state.positions[i]);
+  points->SetNumberOfPoints(static_cast<vtkIdType>(np));
+  for (std::size_t i = 0; i < np; ++i) {
+    world[i] = to_world_mm(frame_, entry(state.positions, i));
     points->SetPoint(static_cast<vtkIdType>(i), world[i].data());
   }
   grid->SetPoints(points);
-
   const int nodes = mesh_.nodes_per_tet();
   vtkNew<vtkCellArray> cells;
   for (const auto& tet : mesh_.tets) {
@@ -145,75 +143,66 @@ fs::path FrameWriter::write_leaflets(const LeafletsState& state) {
   }
   grid->SetCells(mesh_.order == 2 ? VTK_QUADRATIC_TETRA : VTK_TETRA, cells);
 
-  auto* at_points = grid->GetPointData();
-  auto* at_cells = grid->GetCellData();
-  const auto np = ssize_of(mesh_.points), nt = ssize_of(mesh_.tets);
   using Float = vtkFloatArray;
-  const auto u = [](std::ptrdiff_t i) { return static_cast<std::size_t>(i); };
-  vtk::add_vectors<Float>(grid, at_points, "displacement", "mm", 3, np, [&](auto i) { return Vec3(world[u(i)] - mesh_.points[u(i)]); });
-  if (!state.velocities.empty())
-    vtk::add_vectors<Float>(grid, at_points, "velocity", "m/s", 3, np, [&](auto i) { return turn_to_world(frame_, state.velocities[u(i)]); });
-  if (!state.contact_forces.empty())
-    vtk::add_vectors<Float>(grid, at_points, "contact_force", "N", 3, np,
-                            [&](auto i) { return turn_to_world(frame_, state.contact_forces[u(i)]); });
-  const auto optional = [&](vtkDataSetAttributes* where, std::span<const double> values, const char* name, const char* unit, double scale) {
-    if (values.empty()) return;
-    vtk::add_scalars<Float>(grid, where, name, unit, ssize_of(values), [&](auto i) { return scale * values[u(i)]; });
+  vtkFieldData *at_points = grid->GetPointData(), *at_cells = grid->GetCellData();
+  vtk::add_array<Float>(grid, at_points, "displacement", "mm", 3, np, [&](auto i) { return Vec3(world[i] - mesh_.points[i]); });
+  const auto vectors = [&](std::span<const double> values, const char* name, const char* unit) {
+    if (!values.empty())
+      vtk::add_array<Float>(grid, at_points, name, unit, 3, np, [&](auto i) { return turn_to_world(frame_, entry(values, i)); });
   };
-  optional(at_points, state.contact_pressures, "contact_pressure", "kPa", 1 / pascal_per_kPa);
-  optional(at_cells, state.von_mises, "von_mises", "kPa", 1 / pascal_per_kPa);
-  optional(at_cells, state.fibre_stresses, "fibre_stress", "kPa", 1 / pascal_per_kPa);
-  optional(at_cells, state.fibre_strains, "fibre_strain", "1", 1);
-  optional(at_cells, state.volume_ratios, "J", "1", 1);
-
-  const auto flags = [&](const std::vector<char>& values, const char* name) {
-    if (values.size() == point_count)
-      vtk::add_scalars<vtkUnsignedCharArray>(grid, at_points, name, "1", np, [&](auto i) { return values[u(i)] != 0; });
+  const auto scalars = [&](vtkFieldData* where, std::span<const double> values, const char* name, const char* unit, double scale) {
+    if (!values.empty()) vtk::add_array<Float>(grid, where, name, unit, 1, values.size(), [&](auto i) { return scale * values[i]; });
   };
-  flags(mesh_.on_annulus, "annulus");
-  flags(mesh_.on_free_edge, "free_edge");
-  if (mesh_.side.size() == point_count)
-    vtk::add_scalars<vtkIntArray>(grid, at_points, "side", "1", np, [&](auto i) { return mesh_.side[u(i)]; });
-  if (mesh_.unfolded.size() == point_count)
-    vtk::add_vectors<Float>(grid, at_points, "unfolded", "mm", 2, np, [&](auto i) { return mesh_.unfolded[u(i)]; });
-  if (mesh_.region.size() == tet_count)
-    vtk::add_scalars<vtkIntArray>(grid, at_cells, "region", "1", nt, [&](auto i) { return mesh_.region[u(i)]; });
-  if (mesh_.layer.size() == tet_count)
-    vtk::add_scalars<vtkIntArray>(grid, at_cells, "layer", "1", nt, [&](auto i) { return mesh_.layer[u(i)]; });
+  vectors(state.velocities, "velocity", "m/s");
+  vectors(state.contact_forces, "contact_force", "N");
+  scalars(at_points, state.contact_pressures, "contact_pressure", "kPa", 1 / pascal_per_kPa);
+  scalars(at_cells, state.von_mises, "von_mises", "kPa", 1 / pascal_per_kPa);
+  scalars(at_cells, state.fibre_stresses, "fibre_stress", "kPa", 1 / pascal_per_kPa);
+  scalars(at_cells, state.fibre_strains, "fibre_strain", "1", 1);
+  scalars(at_cells, state.volume_ratios, "J", "1", 1);
 
-  return store(leaflets_, state.time, vtk::to_bytes<vtkXMLUnstructuredGridWriter>(grid));
+  using Byte = vtkUnsignedCharArray;
+  vtk::add_array<Byte>(grid, at_points, "annulus", "1", 1, np, [&](auto i) { return mesh_.on_annulus[i] != 0; });
+  vtk::add_array<Byte>(grid, at_points, "free_edge", "1", 1, np, [&](auto i) { return mesh_.on_free_edge[i] != 0; });
+  vtk::add_array<vtkIntArray>(grid, at_points, "side", "1", 1, np, [&](auto i) { return mesh_.side[i]; });
+  vtk::add_array<Float>(grid, at_points, "unfolded", "mm", 2, mesh_.unfolded.size(), [&](auto i) { return mesh_.unfolded[i]; });
+  vtk::add_array<vtkIntArray>(grid, at_cells, "region", "1", 1, nt, [&](auto i) { return mesh_.region[i]; });
+  vtk::add_array<vtkIntArray>(grid, at_cells, "layer", "1", 1, nt, [&](auto i) { return mesh_.layer[i]; });
+  return store(leaflets_, state.time, [&](const fs::path& file) { write_vtk(file, grid); });
 }
 
 fs::path FrameWriter::write_chordae(const ChordaeState& state) {
-  check_size(state.positions.size(), chordae_.points.size(), "chordae positions", false);
-  check_size(state.tensions.size(), chordae_.segments.size(), "chordae tensions");
+  const auto& segments = chordae_.segments;
+  check_size(state.positions.size(), 3 * chordae_.points.size(), "chordae positions", chordae_.points.empty());
+  check_size(state.tensions.size(), segments.size(), "chordae tensions");
   vtkNew<vtkPolyData> data;
-  vtk::add_header(data->GetFieldData(), state.time);
+  vtk::add_header(data, state.time);
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
-  for (const Vec3& x : state.positions) points->InsertNextPoint(to_world_mm(frame_, x).data());
+  for (std::size_t i = 0; i < chordae_.points.size(); ++i) points->InsertNextPoint(to_world_mm(frame_, entry(state.positions, i)).data());
   data->SetPoints(points);
   vtkNew<vtkCellArray> lines;
-  for (const ChordaSegment& s : chordae_.segments) {
+  for (const ChordaSegment& s : segments) {
     const vtkIdType ends[2] = {s.a, s.b};
     lines->InsertNextCell(2, ends);
   }
   data->SetLines(lines);
-  const auto count = ssize_of(chordae_.segments);
-  const auto segment = [&](std::ptrdiff_t i) -> const ChordaSegment& { return chordae_.segments[static_cast<std::size_t>(i)]; };
-  vtk::add_scalars<vtkIntArray>(data, data->GetCellData(), "kind", "1", count, [&](auto i) { return static_cast<int>(segment(i).kind); });
-  vtk::add_scalars<vtkIntArray>(data, data->GetCellData(), "muscle", "1", count, [&](auto i) { return segment(i).muscle; });
-  vtk::add_scalars<vtkIntArray>(data, data->GetCellData(), "leaflet", "1", count, [&](auto i) { return segment(i).leaflet; });
+  vtkFieldData *at_cells = data->GetCellData(), *at_points = data->GetPointData();
+  const std::size_t count = segments.size();
+  vtk::add_array<vtkIntArray>(data, at_points, "muscle_of_point", "1", 1, chordae_.muscle_of_point.size(),
+                              [&](auto i) { return chordae_.muscle_of_point[i]; });
+  vtk::add_array<vtkIntArray>(data, at_cells, "kind", "1", 1, count, [&](auto i) { return static_cast<int>(segments[i].kind); });
+  vtk::add_array<vtkIntArray>(data, at_cells, "muscle", "1", 1, count, [&](auto i) { return segments[i].muscle; });
+  vtk::add_array<vtkIntArray>(data, at_cells, "leaflet", "1", 1, count, [&](auto i) { return segments[i].leaflet; });
   if (!state.tensions.empty())
-    vtk::add_scalars<vtkFloatArray>(data, data->GetCellData(), "tension", "N", count,
-                                    [&](auto i) { return state.tensions[static_cast<std::size_t>(i)]; });
-  return store(chordae_frames_, state.time, vtk::to_bytes<vtkXMLPolyDataWriter>(data));
+    vtk::add_array<vtkFloatArray>(data, at_cells, "tension", "N", 1, count, [&](auto i) { return state.tensions[i]; });
+  return store(chordae_frames_, state.time, [&](const fs::path& file) { write_vtk(file, data); });
 }
 
 fs::path FrameWriter::write_fluid(const FluidState& state) {
   const auto& [nx, ny, nz] = state.grid.cells;
   vtkNew<vtkImageData> image;
-  vtk::add_header(image->GetFieldData(), state.time);
+  vtk::add_header(image, state.time);
   image->SetDimensions(nx + 1, ny + 1, nz + 1);
   const double spacing = mm_per_m * state.grid.spacing;
   image->SetSpacing(spacing, spacing, spacing);
@@ -224,24 +213,17 @@ fs::path FrameWriter::write_fluid(const FluidState& state) {
     for (int c = 0; c < 3; ++c) direction->SetElement(r, c, frame_.axes(c, r));
   image->SetDirectionMatrix(direction);
 
-  const std::ptrdiff_t count = std::ptrdiff_t{nx} * ny * nz;
-  const auto cell = [nx = nx, ny = ny](std::ptrdiff_t c) {
-    return std::array<int, 3>{static_cast<int>(c % nx), static_cast<int>(c / nx % ny), static_cast<int>(c / nx / ny)};
+  const auto ni = static_cast<std::size_t>(nx), nj = static_cast<std::size_t>(ny), count = ni * nj * static_cast<std::size_t>(nz);
+  const auto at_cell = [&](auto&& rule) {
+    return [&rule, ni, nj](std::size_t c) { return rule(static_cast<int>(c % ni), static_cast<int>(c / ni % nj), static_cast<int>(c / ni / nj)); };
   };
-  vtk::add_vectors<vtkFloatArray>(image, image->GetCellData(), "velocity", "m/s", 3, count, [&](auto c) {
-    const auto [i, j, k] = cell(c);
-    return turn_to_world(frame_, state.velocity(i, j, k));
-  });
-  vtk::add_scalars<vtkFloatArray>(image, image->GetCellData(), "pressure", "mmHg", count, [&](auto c) {
-    const auto [i, j, k] = cell(c);
-    return state.pressure(i, j, k) / pascal_per_mmHg;
-  });
-  if (state.is_blood)
-    vtk::add_scalars<vtkUnsignedCharArray>(image, image->GetCellData(), "inside", "1", count, [&](auto c) {
-      const auto [i, j, k] = cell(c);
-      return state.is_blood(i, j, k) ? 1 : 0;
-    });
-  return store(fluid_, state.time, vtk::to_bytes<vtkXMLImageDataWriter>(image));
+  const auto velocity = [&](int i, int j, int k) { return turn_to_world(frame_, state.velocity(i, j, k)); };
+  const auto pressure = [&](int i, int j, int k) { return state.pressure(i, j, k) / pascal_per_mmHg; };
+  vtkFieldData* at_cells = image->GetCellData();
+  vtk::add_array<vtkFloatArray>(image, at_cells, "velocity", "m/s", 3, count, at_cell(velocity));
+  vtk::add_array<vtkFloatArray>(image, at_cells, "pressure", "mmHg", 1, count, at_cell(pressure));
+  if (state.is_blood) vtk::add_array<vtkUnsignedCharArray>(image, at_cells, "inside", "1", 1, count, at_cell(state.is_blood));
+  return store(fluid_, state.time, [&](const fs::path& file) { write_vtk(file, image); });
 }
 
 void write_pvd(const fs::path& file, std::span<const PvdEntry> entries) {

@@ -23,13 +23,13 @@ struct SolverFrame {
   Mat3 axes = Mat3::Identity();
 };
 
-/// Leaflets at one instant, SI, solver frame. `positions` has one entry per mesh point; any other span may be empty, and its array
-/// is then left out of the file. Per element: mean over its quadrature points.
+/// Leaflets at one instant, SI, solver frame. Vectors are xyz-interleaved, three numbers per mesh point. Any span but `positions` may
+/// be empty, and its array is then left out of the file. Per element: mean over its quadrature points.
 struct LeafletsState {
   double time = 0;                            // s
-  std::span<const Vec3> positions;            // m
-  std::span<const Vec3> velocities;           // m/s
-  std::span<const Vec3> contact_forces;       // N per point, what crosses the belt (penalty + film)
+  std::span<const double> positions;          // m, 3 per point
+  std::span<const double> velocities;         // m/s, 3 per point
+  std::span<const double> contact_forces;     // N, 3 per point: what crosses the belt (penalty + film)
   std::span<const double> contact_pressures;  // Pa per point
   std::span<const double> von_mises;          // Pa per element
   std::span<const double> fibre_stresses;     // Pa per element, Cauchy stress along the deformed fibre
@@ -37,10 +37,10 @@ struct LeafletsState {
   std::span<const double> volume_ratios;      // J per element
 };
 
-/// Chordae at one instant: positions of all Chordae::points (m, solver frame), tension per segment (N).
+/// Chordae at one instant: positions of all Chordae::points (m, xyz-interleaved, solver frame), tension per segment (N; may be empty).
 struct ChordaeState {
   double time = 0;
-  std::span<const Vec3> positions;
+  std::span<const double> positions;
   std::span<const double> tensions;
 };
 
@@ -88,7 +88,7 @@ class FrameWriter {
     std::vector<PvdEntry> entries;
   };
   void open_collection(Collection& collection, double resume_time);
-  std::filesystem::path store(Collection& collection, double time, const std::string& bytes);
+  std::filesystem::path store(Collection& collection, double time, const std::function<void(const std::filesystem::path&)>& write);
 
   std::filesystem::path results_;
   const LeafletMesh& mesh_;

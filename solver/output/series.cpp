@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>
+#include <utility>
 #include <variant>
 
 #include "geometry/core/case_files.h"
@@ -191,7 +192,7 @@ std::vector<std::string> chordae_columns(const Chordae& chordae) {
   std::vector<std::string> columns{"time_s"};
   for (std::size_t i = 0; i < chordae.segments.size(); ++i) {
     const ChordaSegment& s = chordae.segments[i];
-    char number[16];
+    char number[24];
     std::snprintf(number, sizeof number, "%02zu", i);
     const char* leaflet = s.leaflet == anterior ? "anterior" : s.leaflet == posterior ? "posterior" : "both";
     columns.push_back(std::string(kind_name(s.kind)) + "_" + number + "_" + leaflet + "_m" + std::to_string(s.muscle) + "_N");

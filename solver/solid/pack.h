@@ -73,7 +73,7 @@ MV_INLINE T absolute(T a) {
 MV_INLINE double square_root(double a) { return std::sqrt(a); }
 MV_INLINE Pack square_root(Pack a) {
 #if defined(__AVX512F__)
-  return (Pack)_mm512_sqrt_pd((__m512d)a);
+  return (Pack)_mm512_maskz_sqrt_pd((__mmask8)-1, (__m512d)a);
 #else
   Pack r;
   for (int i = 0; i < lanes; ++i) r[i] = __builtin_sqrt(a[i]);
@@ -127,19 +127,6 @@ MV_INLINE Pack logarithm(Pack a) {
   // ln m = 2 s + s z p, and 2 s = f - s f keeps the leading term exact
   const Pack ln_m = f - s * (f - z * p);
   return exponent * ln2_high + (ln_m + exponent * ln2_low);
-}
-
-/// base[index[lane]]
-MV_INLINE Pack gather(const double* base, const std::int32_t* index) {
-#if defined(__AVX512F__)
-  __m256i idx;
-  std::memcpy(&idx, index, sizeof idx);
-  return (Pack)_mm512_i32gather_pd(idx, base, 8);
-#else
-  Pack r;
-  for (int i = 0; i < lanes; ++i) r[i] = base[index[i]];
-  return r;
-#endif
 }
 
 }  // namespace mv

@@ -13,7 +13,7 @@ double taylor_green_error(int n) {
   grid.n = {n, n, 2};
   grid.h = 1.0 / n;
   mv::FluidBoundary boundary;
-  for (auto& axis : boundary.side) axis = {mv::Side3::periodic, mv::Side3::periodic};
+  for (auto& axis : boundary.side) axis = {mv::BoundaryKind::periodic, mv::BoundaryKind::periodic};
   const double rho = 1, mu = 0.01, k = 2 * M_PI, stream = 0.5;
   mv::NavierStokes solver(grid, boundary, mv::make_tube_wall(grid, {}), rho, mu);
   auto state = solver.make_state();

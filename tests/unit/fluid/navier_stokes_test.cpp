@@ -45,7 +45,7 @@ TEST(NavierStokes, energy_budget_of_a_closed_box_closes) {
   grid.n = {16, 16, 4};
   grid.h = 1.0 / 16;
   mv::FluidBoundary boundary;
-  boundary.side = {{{mv::Side3::periodic, mv::Side3::periodic}, {mv::Side3::periodic, mv::Side3::periodic}, {mv::Side3::periodic, mv::Side3::periodic}}};
+  boundary.side = {{{mv::BoundaryKind::periodic, mv::BoundaryKind::periodic}, {mv::BoundaryKind::periodic, mv::BoundaryKind::periodic}, {mv::BoundaryKind::periodic, mv::BoundaryKind::periodic}}};
   mv::NavierStokes solver(grid, boundary, mv::make_tube_wall(grid, {}), 1.0, 0.01);
   auto state = solver.make_state();
   for (int k = 0; k < 4; ++k)
@@ -86,7 +86,7 @@ TEST(NavierStokes, a_column_of_blood_accelerates_as_newton_says) {
   grid.n = {4, 4, 30};
   grid.h = 1e-3;
   mv::FluidBoundary boundary;
-  boundary.side[0] = boundary.side[1] = {mv::Side3::symmetry, mv::Side3::symmetry};
+  boundary.side[0] = boundary.side[1] = {mv::BoundaryKind::symmetry, mv::BoundaryKind::symmetry};
   mv::NavierStokes solver(grid, boundary, mv::make_tube_wall(grid, {}), 1060, 2e-3);
   auto state = solver.make_state();
   mv::FaceField force(grid);

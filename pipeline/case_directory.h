@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+// CASE/ as a directory: it takes the configuration and the files this names, so that it can be moved and archived by itself.
+
+#include <filesystem>
+
+#include "pipeline/manifest.h"
+
+namespace mv {
+
+/// Creates the directory if needed, copies every file the configuration names to inputs/KEY.EXT, writes case.toml (format_version, all values,
+/// [provenance]) and returns the configuration as the case holds it. `origin` is the configuration file. `inputs` receives the
+/// hashes. Throws IoError.
+Config set_up_case(const Config& config, const std::filesystem::path& origin, const std::filesystem::path& case_directory,
+                   std::map<std::string, std::string>& inputs);
+
+/// case.toml of an existing case. Throws IoError when there is none, naming the command that makes one.
+Config read_case_config(const std::filesystem::path& case_directory);
+
+/// A directory inside the case for one stage's files. publish() renames them into the case; what was not published disappears with the object.
+class StageDirectory {
+ public:
+  StageDirectory(const std::filesystem::path& case_directory, const std::string& stage);
+  ~StageDirectory();
+  StageDirectory(const StageDirectory&) = delete;
+  StageDirectory& operator=(const StageDirectory&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  /// Returns file -> SHA-256. Throws std::logic_error when the stage has not written one of them.
+  std::map<std::string, std::string> publish(const std::vector<std::string>& files);
+
+ private:
+  std::filesystem::path case_directory_, path_;
+};
+
+/// Removes what a killed run left behind.
+void remove_leftovers(const std::filesystem::path& case_directory);
+
+}  // namespace mv

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/stage_table.h"
+
+#include <algorithm>
+
+#include "geometry/core/errors.h"
+#include "pipeline/annulus_stage.h"
+#include "pipeline/chordae_stage.h"
+#include "pipeline/fibers_stage.h"
+#include "pipeline/gates_stage.h"
+#include "pipeline/generic_stage.h"
+#include "pipeline/mesh_stage.h"
+#include "pipeline/tube_stage.h"
+
+namespace mv {
+
+const std::vector<Stage>& stage_table() {
+  // clang-format off
+  static const std::vector<Stage> table = {
+      {"generic", "mid-surface of the generic valve on an elliptic or a measured annulus, papillary tips",
+       {"generic", "mesh.spacing"}, {}, {"mid_surface.vtp", "papillary.vtp"}, run_generic_stage},
+      {"annulus", "annulus plane and its direction",
+       {}, {"generic"}, {"annulus.vtp"}, run_annulus_stage},
+      {"mesh", "layers of tetrahedra",
+       {"mesh"}, {"generic"}, {"leaflets.vtu"}, run_mesh_stage},
+      {"chordae", "chordae with their insertions",
+       {"chordae"}, {"generic", "annulus", "mesh"}, {"chordae.vtp"}, run_chordae_stage},
+      {"fibers", "collagen directions",
+       {"fibers"}, {"annulus", "mesh"}, {"leaflets.vtu"}, run_fibers_stage},
+      {"tube", "blood tube and fluid grid",
+       {"tube"}, {"generic", "annulus", "mesh"}, {"tube.vtu"}, run_tube_stage},
+      {"gates", "checks of everything",
+       {"gates", "mesh.layers", "fibers.model", "fluid.enabled", "tube.spacing"}, {"generic", "annulus", "mesh", "chordae", "fibers", "tube"},
+       {"quality.json"}, run_gates_stage},
+  };
+  // clang-format on
+  return table;
+}
+
+const Stage& find_stage(const std::string& name) {
+  std::vector<std::string> names;
+  for (const Stage& stage : stage_table()) {
+    if (stage.name == name) return stage;
+    names.push_back(stage.name);
+  }
+  throw UsageError("unknown stage '" + name + "'; did you mean '" + nearest_name(name, names) + "'?");
+}
+
+std::vector<std::string> stages_after(const std::string& name) {
+  std::vector<std::string> later = {name};
+  for (const Stage& stage : stage_table()) {
+    const bool reads = std::any_of(stage.needs.begin(), stage.needs.end(), [&](const std::string& need) {
+      return std::find(later.begin(), later.end(), need) != later.end();
+    });
+    if (reads) later.push_back(stage.name);
+  }
+  later.erase(later.begin());
+  return later;
+}
+
+}  // namespace mv

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// Chordae as tension-only linear springs (papers/s0: linear elastic, articulated so that they bear no compression):
+//   T = E A / L0 * max(L - L0, 0).
+// A leaflet end is a point at sum_i w_i x_i of leaflet nodes and hands its force back with the same weights, so that force and
+// moment about the end are preserved; a root is a papillary tip; every other point of the tree is a node of its own.
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <vector>
+
+#include "geometry/core/case.h"
+
+namespace mv {
+
+class ChordaeTension {
+ public:
+  /// `chordae` in mm; `first_free_node` is the index of the node that stands for the first branch point; stiffness in Pa.
+  ChordaeTension(const Chordae& chordae, int first_free_node, double youngs_modulus);
+
+  /// Points of the tree that move on their own (neither root nor leaflet end), in the order of their nodes.
+  const std::vector<int>& free_points() const { return free_points_; }
+
+  /// Adds the tensions to `forces` (N) at the node positions x (m) and tip positions (m); returns the elastic energy (J). No allocation.
+  double forces(std::span<const double> x, std::span<const Eigen::Vector3d> tips, std::span<double> forces);
+
+  /// Adds K v of the taut segments, K = -dF/dx at x with tips held.
+  void stiffness_times(std::span<const double> x, std::span<const Eigen::Vector3d> tips, std::span<const double> v, std::span<double> out);
+
+  /// Of the last forces() call: tension (N) per segment and pull (N) on each papillary tip (towards the leaflets).
+  const std::vector<double>& tensions() const { return tensions_; }
+  const std::vector<Eigen::Vector3d>& papillary_forces() const { return papillary_forces_; }
+
+  /// Positions (m) of all points of the tree.
+  void point_positions(std::span<const double> x, std::span<const Eigen::Vector3d> tips, std::vector<Eigen::Vector3d>& out) const;
+
+ private:
+  void gather(std::span<const double> x, std::span<const Eigen::Vector3d> tips, std::vector<Eigen::Vector3d>& out) const;
+  void scatter(const std::vector<Eigen::Vector3d>& point_forces, std::span<double> out) const;
+
+  struct Segment {
+    int a, b;
+    double rest_length;  // m
+    double stiffness;    // N/m
+  };
+  std::vector<Segment> segments_;
+  std::vector<int> muscle_;            // per point, -1 when not a root
+  std::vector<int> node_;              // per point: own node or -1
+  std::vector<int> free_points_;
+  std::vector<Insertion> insertions_;
+  std::vector<double> tensions_;
+  std::vector<Eigen::Vector3d> papillary_forces_;
+  std::vector<Eigen::Vector3d> positions_, moved_, point_forces_;
+};
+
+}  // namespace mv

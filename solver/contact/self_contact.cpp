@@ -1,0 +1,636 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One evaluation: frames of the triangles in reach -> each slave node computes its gap, force, friction and the reactions on its triangles'
+// corners (records) -> each triangle sums its records -> each node sums its triangles. Every sum has a fixed order that does not depend on
+// threads or on when candidates were renewed: triangles without weight contribute nothing, lists are in ascending order.
+#include "solver/contact/self_contact.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <string>
+
+#include "geometry/core/errors.h"
+#include "geometry/core/parallel.h"
+#include "solver/contact/candidates.h"
+#include "solver/contact/contact_kernel.h"
+
+namespace mv {
+namespace {
+
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
+using contact::Facet;
+using contact::smooth_step;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double facing_full_cosine = -0.6;    // from here on a triangle counts fully; below facing_cosine not at all
+constexpr double lateral_growth = 0.5;         // gamma: how the averaging radius widens with the gap (covers ridges up to 2 atan(gamma))
+constexpr double full_weight = 0.5;            // W above which the force is not faded
+constexpr double depth_fade = 0.2;             // share of the penetration limit over which deep triangles fade out
+
+/// Velocities and inertia of a triangle, for the slip seen by an observer who turns with the master.
+struct FacetMotion {
+  Vec3 v = Vec3::Zero(), dv1 = Vec3::Zero(), dv2 = Vec3::Zero();
+  Vec3 spin = Vec3::Zero();  // mean of r x v over the corners, r from the centroid
+  Mat3 inertia = Mat3::Zero();  // mean of |r|^2 I - r r^T
+};
+
+/// A triangle that a slave sees with positive weight.
+struct Sight {
+  int pair, triangle;
+  double p, weight, chi, u, reach_squared;
+  double l1, l2, b1, b2;
+};
+
+/// Forces on the three corners of a triangle.
+using CornerForces = std::array<double, 9>;
+
+void add_corner(CornerForces& f, int corner, const Vec3& force) {
+  f[3 * corner] += force[0];
+  f[3 * corner + 1] += force[1];
+  f[3 * corner + 2] += force[2];
+}
+
+Vec3 at(std::span<const double> x, int node) { return Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(node)); }
+
+ContactOptions resolve(const ContactSurface& s, ContactOptions o) {
+  const auto refuse = [](const std::string& what) { throw InputError("contact: " + what); };
+  if (!(o.threshold > 0)) refuse("threshold must be positive");
+  if (!(o.stiffness >= 0)) refuse("stiffness must not be negative");
+  if (!(o.friction >= 0)) refuse("friction must not be negative");
+  if (!(o.tangential_ratio > 0)) refuse("tangential_ratio must be positive");
+  if (!(o.averaging_ratio > 0)) refuse("averaging_ratio must be positive");
+  if (!(o.thickness >= 0) || !(o.penetration_limit >= 0) || !(o.exclusion_radius >= 0) || !(o.skin >= 0)) refuse("lengths must not be negative");
+  if (o.penetration_limit == 0) o.penetration_limit = o.thickness > 0 ? 0.5 * o.thickness : s.mean_edge;
+  if (o.exclusion_radius == 0) o.exclusion_radius = std::max(2.5 * s.mean_edge, 1.5 * o.thickness);
+  if (o.skin == 0) o.skin = 0.4 * s.mean_edge;
+  return o;
+}
+
+}  // namespace
+
+struct SelfContact::Impl {
+  const ContactSurface& surface;
+  ContactOptions options;
+  CandidateSearch search;
+  double sheet_separation;  // m, triangles this much further away than the nearest belong to another sheet
+  double p_max;             // m, largest distance along the normal that can matter
+  double reach;             // m, largest distance to a triangle that can matter
+  std::vector<double> node_stiffness;      // N/m
+  std::vector<double> facet_radius_squared;
+  std::vector<int> ring_corner;            // which corner of ring[r] the node is
+
+  // Candidates: refreshed by a search.
+  std::vector<double> x_search;            // 3 per surface node
+  int steps_since_search = 0;
+  bool has_candidates = false;
+  std::vector<int> slaves;                 // nodes with candidates
+  std::vector<int> masters;                // triangles in some list
+  std::vector<int> frames_needed;          // masters and the rings of slaves
+  std::vector<int> touched;                // nodes that may receive a force
+  std::vector<int> master_start, master_pair;  // per master: its pairs, in the order of the slaves
+  std::vector<int> stamp;                  // scratch, per triangle
+  std::vector<int> node_stamp;             // scratch, per node
+  double released_energy = 0;              // J, slip energy of nodes that lost all candidates
+
+  // Per step.
+  std::vector<Facet> facets;
+  std::vector<Vec3> area_vectors;          // e1 x e2
+  std::vector<FacetMotion> motions;
+  std::vector<int> record_of_pair;         // -1: no reaction
+  std::vector<CornerForces> records;
+  std::vector<CornerForces> facet_force;
+  std::vector<char> facet_active;
+  std::vector<std::vector<Sight>> sights;  // per thread
+  std::vector<double> thread_motion;
+
+  // Per surface node.
+  std::vector<double> gap, normal_force, pressure, area, energy, slip_energy, dissipation;
+  std::vector<Vec3> own_force, friction_force, normal, nodal_force, slip;
+  std::vector<int> partner;
+
+  Impl(const ContactSurface& s, const ContactOptions& o) : surface(s), options(resolve(s, o)), search(s, options.exclusion_radius) {
+    const std::size_t nodes = s.nodes.size(), triangles = s.triangles.size();
+    set_node_stiffness({});
+    facet_radius_squared.resize(triangles);
+    double radius_squared_max = 0;
+    for (std::size_t f = 0; f < triangles; ++f) {
+      const auto& t = s.triangles[f];
+      const double rest_area = 0.5 * (s.reference[t[1]] - s.reference[t[0]]).cross(s.reference[t[2]] - s.reference[t[0]]).norm();
+      facet_radius_squared[f] = options.averaging_ratio * options.averaging_ratio * rest_area * 4 / std::sqrt(3.0);
+      radius_squared_max = std::max(radius_squared_max, facet_radius_squared[f]);
+    }
+    sheet_separation = 0.5 * s.mean_edge;
+    p_max = std::max(options.threshold + sheet_separation, options.penetration_limit);
+    reach = std::sqrt((1 + lateral_growth * lateral_growth) * p_max * p_max + radius_squared_max);
+    ring_corner.resize(s.ring.size());
+    for (std::size_t n = 0; n < nodes; ++n) {
+      for (int r = s.ring_start[n]; r < s.ring_start[n + 1]; ++r) {
+        const auto& t = s.triangles[s.ring[r]];
+        ring_corner[r] = t[0] == static_cast<int>(n) ? 0 : (t[1] == static_cast<int>(n) ? 1 : 2);
+      }
+    }
+    x_search.resize(3 * nodes);
+    stamp.assign(triangles, 0);
+    node_stamp.assign(nodes, 0);
+    facets.resize(triangles);
+    area_vectors.assign(triangles, Vec3::Zero());
+    if (options.friction > 0) motions.resize(triangles);
+    facet_force.resize(triangles);
+    facet_active.assign(triangles, 0);
+    for (auto* array : {&normal_force, &pressure, &area, &energy, &slip_energy, &dissipation}) array->assign(nodes, 0.0);
+    for (auto* array : {&own_force, &friction_force, &normal, &nodal_force, &slip}) array->assign(nodes, Vec3::Zero());
+    gap.assign(nodes, infinity);
+    partner.assign(nodes, -1);
+  }
+
+  void set_node_stiffness(std::span<const double> stiffness) {
+    node_stiffness.resize(surface.nodes.size());
+    for (std::size_t n = 0; n < node_stiffness.size(); ++n)
+      node_stiffness[n] = stiffness.empty() ? options.stiffness * surface.reference_area[n] : stiffness[n];
+  }
+
+  void clear_outputs(int n) {
+    gap[n] = infinity;
+    normal_force[n] = pressure[n] = area[n] = energy[n] = slip_energy[n] = dissipation[n] = 0;
+    own_force[n] = friction_force[n] = normal[n] = nodal_force[n] = Vec3::Zero();
+    partner[n] = -1;
+  }
+
+  /// Energy of the node's elastic slip, which is lost when the contact opens.
+  double release(int n) {
+    const double lost = 0.25 * options.tangential_ratio * node_stiffness[n] * slip[n].squaredNorm();
+    slip[n].setZero();
+    return lost;
+  }
+
+  bool needs_search(std::span<const double> x) {
+    if (!has_candidates || (options.search_every > 0 && steps_since_search >= options.search_every)) return true;
+    thread_motion.assign(static_cast<std::size_t>(thread_count()), 0.0);
+    parallel_ranges(
+        surface.node_count(),
+        [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
+          double motion = 0;
+          for (std::ptrdiff_t n = begin; n < end; ++n) {
+            const double moved = (at(x, surface.nodes[n]) - at(x_search, static_cast<int>(n))).squaredNorm();
+            motion = moved <= motion ? motion : moved;  // keeps a NaN
+          }
+          thread_motion[thread] = motion;
+        },
+        4096);
+    const double limit = 0.25 * options.skin * options.skin;
+    return !std::all_of(thread_motion.begin(), thread_motion.end(), [&](double m) { return m <= limit; });
+  }
+
+  void update_candidates(std::span<const double> x) {
+    for (int n : touched) clear_outputs(n);
+    search.update(x, reach + options.skin);
+    for (int n = 0; n < surface.node_count(); ++n) Eigen::Map<Vec3>(x_search.data() + 3 * static_cast<std::size_t>(n)) = at(x, surface.nodes[n]);
+    steps_since_search = 0;
+    has_candidates = true;
+
+    slaves.clear();
+    masters.clear();
+    frames_needed.clear();
+    touched.clear();
+    std::fill(stamp.begin(), stamp.end(), 0);
+    std::fill(node_stamp.begin(), node_stamp.end(), 0);
+    for (int n = 0; n < surface.node_count(); ++n) {
+      const auto list = search.triangles_of(n);
+      if (list.empty()) {
+        if (!slip[n].isZero(0)) released_energy += release(n);
+        continue;
+      }
+      slaves.push_back(n);
+      node_stamp[n] = 1;
+      for (int f : list) ++stamp[f];
+    }
+    for (int f = 0; f < surface.triangle_count(); ++f) {
+      if (stamp[f] == 0) continue;
+      masters.push_back(f);
+      for (int n : surface.triangles[f]) node_stamp[n] = 1;
+    }
+    for (int n = 0; n < surface.node_count(); ++n) {
+      if (node_stamp[n]) touched.push_back(n);
+    }
+    // Pairs by master: `stamp` turns from counts into positions.
+    master_start.assign(masters.size() + 1, 0);
+    for (std::size_t m = 0; m < masters.size(); ++m) {
+      master_start[m + 1] = master_start[m] + stamp[masters[m]];
+      stamp[masters[m]] = master_start[m];
+    }
+    master_pair.resize(static_cast<std::size_t>(search.pair_count()));
+    record_of_pair.resize(master_pair.size());
+    records.resize(master_pair.size());
+    for (int n : slaves) {
+      int pair = search.first_pair(n);
+      for (int f : search.triangles_of(n)) master_pair[stamp[f]++] = pair++;
+    }
+    std::fill(stamp.begin(), stamp.end(), 0);
+    for (int f : masters) stamp[f] = 1;
+    for (int n : slaves) {
+      for (int r = surface.ring_start[n]; r < surface.ring_start[n + 1]; ++r) stamp[surface.ring[r]] = 1;
+    }
+    for (int f = 0; f < surface.triangle_count(); ++f) {
+      if (stamp[f]) frames_needed.push_back(f);
+      facet_active[f] = 0;
+    }
+  }
+
+  void compute_frames(std::span<const double> x, std::span<const double> v) {
+    parallel_for(static_cast<std::ptrdiff_t>(frames_needed.size()), [&](std::ptrdiff_t k) {
+      const int f = frames_needed[k];
+      const auto& t = surface.triangles[f];
+      const int i = surface.nodes[t[0]], j = surface.nodes[t[1]], l = surface.nodes[t[2]];
+      facets[f] = contact::make_facet(at(x, i), at(x, j), at(x, l), facet_radius_squared[f]);
+      area_vectors[f] = facets[f].e1.cross(facets[f].e2);
+      facet_active[f] = 0;
+      if (options.friction > 0) motions[f] = motion_of(facets[f], at(v, i), at(v, j), at(v, l));
+    });
+  }
+
+  static FacetMotion motion_of(const Facet& f, const Vec3& va, const Vec3& vb, const Vec3& vc) {
+    FacetMotion m;
+    m.v = va;
+    m.dv1 = vb - va;
+    m.dv2 = vc - va;
+    const Vec3 centre = (f.e1 + f.e2) / 3;
+    const Vec3 ra = -centre, rb = f.e1 - centre, rc = f.e2 - centre;
+    m.spin = (ra.cross(va) + rb.cross(vb) + rc.cross(vc)) / 3;
+    m.inertia.diagonal().setConstant((ra.squaredNorm() + rb.squaredNorm() + rc.squaredNorm()) / 3);
+    m.inertia -= (ra * ra.transpose() + rb * rb.transpose() + rc * rc.transpose()) / 3;
+    return m;
+  }
+
+  /// Triangles that face the node within reach, with their weights; returns W.
+  double look(const Vec3& x, const Vec3& n, int node, std::vector<Sight>& seen) const {
+    seen.clear();
+    double nearest = options.threshold;
+    int pair = search.first_pair(node) - 1;
+    for (int f : search.triangles_of(node)) {
+      ++pair;
+      const Facet& facet = facets[f];
+      const double cosine = facet.n.dot(n);
+      if (!(cosine < facing_cosine)) continue;
+      const Vec3 d = x - facet.a;
+      const double p = facet.n.dot(d);
+      if (!(p > -options.penetration_limit && p < p_max)) continue;
+      const auto q = contact::project(facet, d);
+      const double reach_squared = facet.radius_squared + lateral_growth * lateral_growth * p * p;
+      if (!(q.lateral_squared < reach_squared)) continue;
+      Sight s;
+      s.pair = pair;
+      s.triangle = f;
+      s.p = p;
+      s.u = q.lateral_squared / reach_squared;
+      s.reach_squared = reach_squared;
+      s.l1 = q.l1;
+      s.l2 = q.l2;
+      s.b1 = q.b1;
+      s.b2 = q.b2;
+      s.chi = smooth_step((cosine - facing_cosine) / (facing_full_cosine - facing_cosine));
+      if (p < 0) s.chi *= smooth_step((p + options.penetration_limit) / (depth_fade * options.penetration_limit));
+      s.weight = s.chi * (1 - s.u) * (1 - s.u);
+      // Approaches |p| for full weight and infinity for none, so that `nearest` does not jump when a triangle comes into sight.
+      if (s.weight > 0) {
+        nearest = std::min(nearest, std::abs(p) + sheet_separation * (1 / s.weight - 1));
+        seen.push_back(s);
+      }
+    }
+    double total = 0;
+    std::size_t kept = 0;
+    for (Sight& s : seen) {
+      const double behind = (std::abs(s.p) - nearest) / sheet_separation;
+      if (behind > 0.5) {
+        const double fade = smooth_step(2 * (1 - behind));
+        s.chi *= fade;
+        s.weight *= fade;
+        if (!(s.weight > 0)) continue;
+      }
+      total += s.weight;
+      seen[kept++] = s;
+    }
+    seen.resize(kept);
+    return total;
+  }
+
+  Vec3 node_normal(int node) const {
+    Vec3 sum = Vec3::Zero();
+    for (int r = surface.ring_start[node]; r < surface.ring_start[node + 1]; ++r) sum += area_vectors[surface.ring[r]];
+    const double length = sum.norm();
+    return length > 0 ? Vec3(sum / length) : Vec3::Zero();
+  }
+
+  double current_area(int node) const {
+    double sum = 0;
+    for (int r = surface.ring_start[node]; r < surface.ring_start[node + 1]; ++r) sum += area_vectors[surface.ring[r]].norm();
+    return sum / 6;
+  }
+
+  /// All of one slave node: outputs, its own force, records of the reactions.
+  void evaluate_slave(int node, std::span<const double> x, std::span<const double> v, double dt, std::vector<Sight>& seen) {
+    clear_outputs(node);
+    const int first = search.first_pair(node), count = static_cast<int>(search.triangles_of(node).size());
+    std::fill_n(record_of_pair.begin() + first, count, -1);
+    const int solid_node = surface.nodes[node];
+    const Vec3 position = at(x, solid_node);
+    const double total = look(position, node_normal(node), node, seen);
+    double g = 0;
+    if (total > 0) {
+      double largest = 0;
+      for (const Sight& s : seen) {
+        g += s.weight * s.p;
+        if (s.weight > largest) {
+          largest = s.weight;
+          partner[node] = s.triangle;
+        }
+      }
+      g /= total;
+      gap[node] = g;
+    }
+    if (!(total > 0) || g >= options.threshold) {
+      if (options.friction > 0 && !slip[node].isZero(0)) dissipation[node] = release(node);
+      return;
+    }
+    const double half_stiffness = 0.5 * node_stiffness[node];
+    const double overlap = options.threshold - g;
+    const double fade = smooth_step(total / full_weight);
+    const double fade_slope = contact::smooth_step_slope(total / full_weight) / full_weight;
+    const double force = half_stiffness * fade * overlap;  // this pass
+    const double force_of_total = 0.5 * half_stiffness * fade_slope * overlap * overlap;
+
+    Vec3 own = Vec3::Zero(), mean_normal = Vec3::Zero();
+    int record = first;
+    for (const Sight& s : seen) {
+      const Facet& f = facets[s.triangle];
+      const double share = s.weight / total;
+      // Factors on dp and on d(lateral distance squared), from dg and dW.
+      const double slope = -2 * s.chi * (1 - s.u) * (force * (s.p - g) / total - force_of_total);
+      const double on_p = force * share - slope * 2 * lateral_growth * lateral_growth * s.p * s.u / s.reach_squared;
+      const double on_lateral = slope / s.reach_squared;
+      const Vec3 lateral = (s.l1 - s.b1) * f.e1 + (s.l2 - s.b2) * f.e2;
+      own += on_p * f.n + (2 * on_lateral) * lateral;
+      mean_normal += share * f.n;
+      const Vec3 along_normal = (2 * on_lateral * s.p - on_p) * f.n;
+      const Vec3 towards_closest = (-2 * on_lateral) * (lateral + s.p * f.n);
+      CornerForces& corners = records[record];
+      corners.fill(0.0);
+      add_corner(corners, 0, (1 - s.l1 - s.l2) * along_normal + (1 - s.b1 - s.b2) * towards_closest);
+      add_corner(corners, 1, s.l1 * along_normal + s.b1 * towards_closest);
+      add_corner(corners, 2, s.l2 * along_normal + s.b2 * towards_closest);
+      record_of_pair[s.pair] = record++;
+      std::atomic_ref<char>(facet_active[s.triangle]).store(1, std::memory_order_relaxed);
+    }
+    own_force[node] = own;
+    normal[node] = mean_normal.normalized();
+    normal_force[node] = 2 * force;
+    area[node] = current_area(node);
+    pressure[node] = 2 * force / area[node];
+    energy[node] = 0.5 * force * overlap;
+    if (options.friction > 0) add_friction(node, position, at(v, solid_node), dt, force, total, seen);
+  }
+
+  /// Coulomb friction of one slave pass; see README for the return mapping and the turning observer.
+  void add_friction(int node, const Vec3& x, const Vec3& v, double dt, double force, double total, const std::vector<Sight>& seen) {
+    const Vec3 n = normal[node];
+    Vec3 point = Vec3::Zero(), velocity = Vec3::Zero(), spin = Vec3::Zero();
+    Mat3 inertia = Mat3::Zero();
+    for (const Sight& s : seen) {
+      const Facet& f = facets[s.triangle];
+      const FacetMotion& m = motions[s.triangle];
+      const double share = s.weight / total;
+      point += share * (f.a + s.b1 * f.e1 + s.b2 * f.e2);
+      velocity += share * (m.v + s.b1 * m.dv1 + s.b2 * m.dv2);
+      spin += share * m.spin;
+      inertia += share * m.inertia;
+    }
+    const Mat3 inverse = inertia.inverse();
+    const Vec3 omega = inverse * spin;
+    const Vec3 arm = x - point;
+    const Vec3 relative = v - velocity - omega.cross(arm);
+    const Vec3 advance = dt * (relative - n * n.dot(relative));
+
+    // The history turns with the master, stays tangential and keeps its length.
+    Vec3 old = slip[node];
+    const double length = old.norm();
+    if (length > 0) {
+      old += dt * omega.cross(old);
+      old -= n * n.dot(old);
+      const double turned = old.norm();
+      old = turned > 0 ? Vec3(old * (length / turned)) : Vec3::Zero();
+    }
+    const double stiffness = 0.5 * options.tangential_ratio * node_stiffness[node];
+    const double cap = stiffness > 0 ? options.friction * force / stiffness : 0.0;
+    const Vec3 trial = old + advance;
+    const double trial_length = trial.norm();
+    const Vec3 held = trial_length > cap ? Vec3(trial * (cap / trial_length)) : trial;
+    slip[node] = held;
+    dissipation[node] = stiffness * (held.dot(trial - held) + 0.5 * (held - old).squaredNorm());
+    slip_energy[node] = 0.5 * stiffness * held.squaredNorm();
+
+    const Vec3 friction = -stiffness * held;
+    friction_force[node] = 2 * friction;
+    own_force[node] += friction;
+    const Vec3 turn = inverse * arm.cross(friction);
+    for (const Sight& s : seen) {
+      const Facet& f = facets[s.triangle];
+      const double share = s.weight / total;
+      const Vec3 centre = (f.e1 + f.e2) / 3;
+      const Vec3 twist = (share / 3) * turn;
+      CornerForces& corners = records[record_of_pair[s.pair]];
+      add_corner(corners, 0, -(share * (1 - s.b1 - s.b2)) * friction - twist.cross(-centre));
+      add_corner(corners, 1, -(share * s.b1) * friction - twist.cross(f.e1 - centre));
+      add_corner(corners, 2, -(share * s.b2) * friction - twist.cross(f.e2 - centre));
+    }
+  }
+
+  void gather(std::span<double> forces) {
+    parallel_for(static_cast<std::ptrdiff_t>(masters.size()), [&](std::ptrdiff_t m) {
+      const int f = masters[m];
+      if (!facet_active[f]) return;
+      CornerForces sum{};
+      for (int k = master_start[m]; k < master_start[m + 1]; ++k) {
+        const int record = record_of_pair[master_pair[k]];
+        if (record < 0) continue;
+        for (int c = 0; c < 9; ++c) sum[c] += records[record][c];
+      }
+      facet_force[f] = sum;
+    });
+    parallel_for(static_cast<std::ptrdiff_t>(touched.size()), [&](std::ptrdiff_t k) {
+      const int n = touched[k];
+      Vec3 sum = own_force[n];
+      for (int r = surface.ring_start[n]; r < surface.ring_start[n + 1]; ++r) {
+        const int f = surface.ring[r];
+        if (facet_active[f]) sum += Eigen::Map<const Vec3>(facet_force[f].data() + 3 * ring_corner[r]);
+      }
+      nodal_force[n] = sum;
+      Eigen::Map<Vec3>(forces.data() + 3 * static_cast<std::size_t>(surface.nodes[n])) += sum;
+    });
+  }
+
+  ContactResult totals() {
+    ContactResult result;
+    for (int n : slaves) {
+      result.friction_dissipation += dissipation[n];
+      if (!(normal_force[n] > 0)) continue;
+      ++result.active_nodes;
+      result.normal_force += 0.5 * normal_force[n];
+      result.friction_force += 0.5 * friction_force[n].norm();
+      result.contact_area += 0.5 * area[n];
+      result.min_gap = std::min(result.min_gap, gap[n]);
+      result.potential_energy += energy[n];
+      result.friction_energy += slip_energy[n];
+    }
+    result.friction_dissipation += released_energy;
+    released_energy = 0;
+    result.penetration_max = std::max(0.0, -result.min_gap);
+    return result;
+  }
+};
+
+SelfContact::SelfContact(const ContactSurface& surface, const ContactOptions& options) : impl_(std::make_unique<Impl>(surface, options)) {}
+SelfContact::~SelfContact() = default;
+SelfContact::SelfContact(SelfContact&&) noexcept = default;
+
+void SelfContact::set_node_stiffness(std::span<const double> stiffness) {
+  if (!stiffness.empty() && stiffness.size() != impl_->surface.nodes.size())
+    throw InputError("contact: node stiffness has " + std::to_string(stiffness.size()) + " entries for " + std::to_string(impl_->surface.nodes.size()) + " surface nodes");
+  impl_->set_node_stiffness(stiffness);
+}
+
+void SelfContact::update_candidates(std::span<const double> x) { impl_->update_candidates(x); }
+
+ContactResult SelfContact::evaluate(std::span<const double> x, std::span<const double> v, double dt, std::span<double> forces) {
+  Impl& c = *impl_;
+  bool searched = false;
+  if (c.needs_search(x)) {
+    c.update_candidates(x);
+    searched = true;
+  }
+  ++c.steps_since_search;
+  c.compute_frames(x, v);
+  c.sights.resize(std::max(c.sights.size(), static_cast<std::size_t>(thread_count())));
+  parallel_ranges(static_cast<std::ptrdiff_t>(c.slaves.size()), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
+    for (std::ptrdiff_t k = begin; k < end; ++k) c.evaluate_slave(c.slaves[k], x, v, dt, c.sights[thread]);
+  });
+  c.gather(forces);
+  ContactResult result = c.totals();
+  result.searched = searched;
+  return result;
+}
+
+void SelfContact::closest_gaps(std::span<const double> x, double max_distance, bool atrial_only, ClosestGaps& out) const {
+  const Impl& c = *impl_;
+  const ContactSurface& s = c.surface;
+  const int nodes = s.node_count(), triangles = s.triangle_count();
+  out.gap.assign(s.nodes.size(), infinity);
+  out.point.assign(s.nodes.size(), Vec3::Zero());
+  out.triangle.assign(s.nodes.size(), -1);
+  std::vector<Facet> facets(s.triangles.size());
+  std::vector<Vec3> centre(s.triangles.size()), normals(s.nodes.size());
+  std::vector<double> radius(s.triangles.size());
+  parallel_for(triangles, [&](std::ptrdiff_t f) {
+    const auto& t = s.triangles[f];
+    facets[f] = contact::make_facet(at(x, s.nodes[t[0]]), at(x, s.nodes[t[1]]), at(x, s.nodes[t[2]]), 0.0);
+    const Vec3 offset = (facets[f].e1 + facets[f].e2) / 3;
+    centre[f] = facets[f].a + offset;
+    radius[f] = std::sqrt(std::max({offset.squaredNorm(), (facets[f].e1 - offset).squaredNorm(), (facets[f].e2 - offset).squaredNorm()}));
+  });
+  current_node_normals(s, x, normals);
+  Vec3 lower = centre[0], upper = centre[0];
+  double radius_max = 0;
+  for (int f = 0; f < triangles; ++f) {
+    lower = lower.cwiseMin(centre[f]);
+    upper = upper.cwiseMax(centre[f]);
+    radius_max = std::max(radius_max, radius[f]);
+  }
+  BoxGrid grid;
+  grid.reset(lower, upper, std::max(1.5 * s.mean_edge, 0.125 * (max_distance + radius_max)));
+  grid.sort(triangles, [&](int f) { return grid.cell_index(grid.cell(centre[f])); });
+  parallel_for(nodes, [&](std::ptrdiff_t n) {
+    if (atrial_only && !s.on_atrial_face[n]) return;
+    const Vec3 p = at(x, s.nodes[n]);
+    double best = max_distance * max_distance;
+    int best_triangle = -1;
+    contact::Projection best_projection{};
+    const auto visit = [&](int f) {
+      if (atrial_only && s.triangle_side[f] <= 0) return;
+      const Facet& facet = facets[f];
+      if (!(facet.n.dot(normals[n]) < facing_cosine)) return;
+      const double closest = std::sqrt(best) + radius[f];
+      if ((p - centre[f]).squaredNorm() > closest * closest) return;
+      const Vec3 d = p - facet.a;
+      const double height = facet.n.dot(d);
+      if (!(height > -c.options.penetration_limit)) return;
+      const auto q = contact::project(facet, d);
+      const double squared = q.lateral_squared + height * height;
+      if (squared > best || (squared == best && best_triangle >= 0 && f > best_triangle)) return;
+      if (c.search.is_excluded(static_cast<int>(n), f)) return;
+      best = squared;
+      best_triangle = f;
+      best_projection = q;
+    };
+    // Shells of cells around the node's own until nothing closer can follow.
+    const auto home = grid.cell(p);
+    const int rings = static_cast<int>((max_distance + radius_max) / grid.cell_size()) + 1;
+    for (int ring = 0; ring <= rings; ++ring) {
+      if (ring > 1 && (ring - 1) * grid.cell_size() > std::sqrt(best) + radius_max) break;
+      std::array<int, 3> low, high;
+      for (int k = 0; k < 3; ++k) {
+        low[k] = std::max(home[k] - ring, 0);
+        high[k] = std::min(home[k] + ring, grid.size()[k] - 1);
+      }
+      for (int k = low[2]; k <= high[2]; ++k) {
+        for (int j = low[1]; j <= high[1]; ++j) {
+          const bool shell = std::abs(k - home[2]) == ring || std::abs(j - home[1]) == ring;
+          const auto run = [&](int from, int to) {
+            if (from > to) return;
+            grid.for_runs({from, j, k}, {to, j, k}, [&](int first, int last) {
+              for (int q = first; q < last; ++q) visit(grid.item(q));
+            });
+          };
+          if (shell) {
+            run(low[0], high[0]);
+          } else {
+            if (home[0] - ring >= 0) run(home[0] - ring, home[0] - ring);
+            if (ring > 0 && home[0] + ring < grid.size()[0]) run(home[0] + ring, home[0] + ring);
+          }
+        }
+      }
+    }
+    if (best_triangle < 0) return;
+    const Facet& facet = facets[best_triangle];
+    out.triangle[n] = best_triangle;
+    out.point[n] = facet.a + best_projection.b1 * facet.e1 + best_projection.b2 * facet.e2;
+    const double height = facet.n.dot(p - facet.a);
+    out.gap[n] = height < 0 ? -std::sqrt(best) : std::sqrt(best);
+  });
+}
+
+std::span<const double> SelfContact::gap() const { return impl_->gap; }
+std::span<const double> SelfContact::normal_force() const { return impl_->normal_force; }
+std::span<const double> SelfContact::pressure() const { return impl_->pressure; }
+std::span<const Vec3> SelfContact::friction_force() const { return impl_->friction_force; }
+std::span<const Vec3> SelfContact::normal() const { return impl_->normal; }
+std::span<const int> SelfContact::partner() const { return impl_->partner; }
+std::span<const Vec3> SelfContact::nodal_force() const { return impl_->nodal_force; }
+
+std::vector<double> SelfContact::export_history() const {
+  std::vector<double> slip(3 * impl_->slip.size());
+  for (std::size_t n = 0; n < impl_->slip.size(); ++n) Eigen::Map<Vec3>(slip.data() + 3 * n) = impl_->slip[n];
+  return slip;
+}
+
+void SelfContact::import_history(std::span<const double> slip) {
+  if (slip.size() != 3 * impl_->slip.size())
+    throw InputError("contact: friction history has " + std::to_string(slip.size()) + " numbers, expected " + std::to_string(3 * impl_->slip.size()));
+  for (std::size_t n = 0; n < impl_->slip.size(); ++n) impl_->slip[n] = Eigen::Map<const Vec3>(slip.data() + 3 * n);
+}
+
+const ContactOptions& SelfContact::options() const { return impl_->options; }
+double SelfContact::search_reach() const { return impl_->reach; }
+long SelfContact::candidate_pairs() const { return impl_->search.pair_count(); }
+
+}  // namespace mv

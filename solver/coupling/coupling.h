@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// How leaflets and blood exchange forces and motion: the one narrow interface behind which a coupling scheme lives.
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "solver/coupling/transfer.h"
+
+namespace mv {
+
+/// The nodes as a coupling sees them. Arrays xyz interleaved, SI, tube frame.
+struct CoupledNodes {
+  std::span<double> x;
+  std::span<double> v;
+  std::span<const char> is_fixed;      // per node: held by the annulus
+  std::span<char> is_released;         // per node: written by schemes that let go
+};
+
+class Coupling {
+ public:
+  /// `masses`: per node own mass (kg), used by schemes in which nodes may move on their own.
+  Coupling(Transfer transfer, double fluid_density, std::vector<double> masses)
+      : transfer_(std::move(transfer)), density_(fluid_density), masses_(std::move(masses)) {}
+
+  /// Sorts the points; must precede the other calls of a step. Returns the number of nodes outside the box.
+  int bind(const CoupledNodes& nodes);
+
+  /// Adds the forces (N) of nodes that move with the blood to the force density (N/m3).
+  void hand_over(std::span<const double> forces, FaceField& force_density) const { transfer_.spread(forces, force_density); }
+
+  /// New velocities and positions after the blood has moved; returns the kinetic energy (J) gained by released nodes' own motion being
+  /// caught or let go in this step (zero when none is).
+  void move(const CoupledNodes& nodes, const FaceField& velocity, std::span<const double> forces, double dt);
+
+  /// Acceleration (m/s2) that nodal forces cause without the pressure's reply: an upper bound of the mobility, for the stable step.
+  void accelerate(const CoupledNodes& nodes, std::span<const double> forces, FaceField& scratch, std::span<double> out) const;
+
+  const Transfer& transfer() const { return transfer_; }
+
+ private:
+  Transfer transfer_;
+  double density_;
+  std::vector<double> masses_;
+  std::vector<int> active_;
+};
+
+}  // namespace mv

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+#include <iostream>
+
+#include "geometry/core/errors.h"
+#include "geometry/core/log.h"
+#include "geometry/core/parallel.h"
+#include "geometry/core/version.h"
+#include "solver/output/summary.h"
+#include "solver/report/report.h"
+#include "solver/time/run.h"
+
+namespace {
+
+std::atomic<bool> is_interrupted{false};
+
+extern "C" void on_interrupt(int signal) {
+  is_interrupted = true;
+  // A second one ends the program the usual way.
+  std::signal(signal, SIG_DFL);
+}
+
+void print_summary(const std::filesystem::path& results) {
+  const mv::Json summary = mv::read_json(results / "summary.json");
+  auto print = [&](const char* name) {
+    const mv::Json& value = mv::json_at(summary, name);
+    if (!value.is_null()) std::cout << name << " = " << value.dump() << "\n";
+  };
+  for (const char* name : {"seal.sealed", "seal.threshold_mm", "seal.smallest_sealing_threshold_mm", "seal.hole_area_mm2", "contact.belt_continuous", "contact.force_N",
+                           "contact.self_intersections", "flow.closing_volume_ml", "flow.leak_rate_ml_s", "papillary.force_total_N", "mass.solid_volume_drift",
+                           "energy.residual_relative", "run.wall_s"})
+    print(name);
+  std::cout << "report = " << (results / "report.html").string() << "\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"mvsolve: closes a mitral valve in blood and says whether it seals"};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", mv::version());
+  bool is_quiet = false, is_verbose = false;
+  app.add_flag("-q,--quiet", is_quiet, "warnings and errors only");
+  app.add_flag("-v,--verbose", is_verbose, "debug lines too");
+
+  mv::RunOptions run;
+  int threads = 0;
+  CLI::App* run_command = app.add_subcommand("run", "run a case to the end and write RESULTS (summary.json, report.html, frames, series)");
+  run_command->add_option("CASE", run.case_directory, "case directory made by mvprep")->required();
+  run_command->add_option("-o,--output", run.results, "results directory")->required();
+  run_command->add_option("--threads", threads, "number of threads (default: all cores)")->check(CLI::Range(1, 1024));
+  run_command->add_option("--set", run.settings, "override a setting of case.toml, key=value (repeatable)")->take_all();
+  run_command->add_flag("--resume", run.is_resumed, "go on from RESULTS/checkpoint");
+
+  std::filesystem::path report_results;
+  CLI::App* report_command = app.add_subcommand("report", "write RESULTS/report.html again from RESULTS alone");
+  report_command->add_option("RESULTS", report_results, "results directory")->required();
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : static_cast<int>(mv::ExitCode::usage);
+  }
+  mv::set_up_log(is_quiet ? mv::LogLevel::quiet : is_verbose ? mv::LogLevel::verbose : mv::LogLevel::normal);
+  try {
+    if (*run_command) {
+      if (threads > 0) mv::set_thread_count(threads);
+      std::signal(SIGINT, on_interrupt);
+      std::signal(SIGTERM, on_interrupt);
+      for (int i = 0; i < argc; ++i) run.command_line += (i ? " " : "") + std::string(i ? argv[i] : "mvsolve");
+      run.is_interrupted = &is_interrupted;
+      if (mv::run_case(run) == mv::RunEnd::interrupted) return static_cast<int>(mv::ExitCode::interrupted);
+      print_summary(run.results);
+    } else if (*report_command) {
+      std::cout << mv::write_report(report_results).string() << "\n";
+    }
+    return 0;
+  } catch (const mv::Error& error) {
+    spdlog::error("{}", error.what());
+    return static_cast<int>(error.code());
+  } catch (const std::bad_alloc&) {
+    spdlog::error("out of memory; a coarser tube.spacing or mesh.spacing needs less");
+    return static_cast<int>(mv::ExitCode::io);
+  } catch (const std::exception& error) {
+    spdlog::error("internal error: {}; please report it with the command and the case", error.what());
+    return static_cast<int>(mv::ExitCode::bug);
+  }
+}

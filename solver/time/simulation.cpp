@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver/time/simulation.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "geometry/core/errors.h"
+#include "geometry/core/log.h"
+#include "geometry/core/parallel.h"
+
+namespace mv {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+constexpr double metres_per_mm = 1e-3;
+constexpr int estimate_every = 50;        // steps between two estimates of the stiffest mode
+constexpr int estimate_products = 3;
+constexpr int snapshot_every = 200;       // steps between two states to fall back to
+constexpr int rollbacks_allowed = 8;      // in a row
+constexpr int cap_steps = 2000;           // how long the smaller step lasts after a rollback
+constexpr double largest_move = 0.25;     // of the fluid spacing (or the mesh spacing) in one step
+// Structure-only scenes: mass-proportional damping rate (1/s) that brings the closing motion to rest within a beat.
+constexpr double structural_damping_rate = 300.0;
+
+double swept_volume_of(const std::vector<std::array<int, 3>>& faces, const std::vector<double>& x0, const std::vector<double>& x1) {
+  // Mean of the area vectors times the mean displacement: exact to third order in the tiny motion of one step.
+  return parallel_sum(static_cast<std::ptrdiff_t>(faces.size()), [&](std::ptrdiff_t f) {
+    const auto& t = faces[static_cast<std::size_t>(f)];
+    auto at = [&](const std::vector<double>& x, std::size_t c) { return Vec3::Map(x.data() + 3 * t[c]); };
+    const Vec3 moved = (at(x1, 0) - at(x0, 0)) + (at(x1, 1) - at(x0, 1)) + (at(x1, 2) - at(x0, 2));
+    const Vec3 a0 = (at(x0, 1) - at(x0, 0)).cross(at(x0, 2) - at(x0, 0)), a1 = (at(x1, 1) - at(x1, 0)).cross(at(x1, 2) - at(x1, 0));
+    return moved.dot(a0 + a1) / 12.0;
+  });
+}
+
+}  // namespace
+
+Simulation::Simulation(Scene scene) : scene_(std::move(scene)), waveform_(Waveform::from_config(scene_.config, scene_.directory)) {
+  const Config& config = scene_.config;
+  structure_.emplace(scene_, std::max(waveform_.largest(), 1.0));
+  const std::size_t unknowns = structure_->rest_positions().size();
+  forces_.assign(unknowns, 0.0);
+  x_before_.assign(unknowns, 0.0);
+  if (scene_.has_fluid()) {
+    FluidGrid grid;
+    grid.n = scene_.tube.grid_cells;
+    grid.h = metres_per_mm * scene_.tube.grid_spacing;
+    grid.lower = metres_per_mm * scene_.tube.grid_lower;
+    std::vector<Eigen::Vector2d> section;
+    for (const Vec2& p : scene_.tube.cross_section) section.push_back(metres_per_mm * p);
+    fluid_.emplace(grid, FluidBoundary(), make_tube_wall(grid, section), config.number("fluid.density"), config.number("fluid.viscosity"));
+    coupling_.emplace(Transfer(grid, fluid_->wall(), kernel_from_name(config.text("fluid.kernel"))), config.number("fluid.density"), structure_->masses());
+    force_density_ = FaceField(grid);
+    stable_step_.emplace(unknowns, &fluid_->grid());
+  } else {
+    stable_step_.emplace(unknowns, nullptr);
+  }
+}
+
+State Simulation::initial_state() {
+  State state;
+  state.x = structure_->rest_positions();
+  state.v.assign(state.x.size(), 0.0);
+  state.is_released.assign(structure_->is_fixed().size(), 0);
+  if (fluid_) {
+    state.flow = fluid_->make_state();
+    const double p = waveform_.at(0);
+    state.flow.boundary_pressure[2][0] = p;
+    const FluidGrid& grid = fluid_->grid();
+    for (int k = 0; k < grid.n[2]; ++k)
+      for (int j = 0; j < grid.n[1]; ++j)
+        for (int i = 0; i < grid.n[0]; ++i) state.flow.pressure[static_cast<std::size_t>(grid.index(i, j, k))] = p * (1 - (k + 0.5) / grid.n[2]);
+  }
+  PartTimes ignored;
+  structure_->evaluate(state, 0.0, 0.0, forces_, ignored);
+  state.initial_energy = total_energy(state);
+  return state;
+}
+
+double Simulation::choose_step(State& state, double stop_time, std::string& limiter) {
+  const Config& config = scene_.config;
+  const auto start = Clock::now();
+  if (state.step % estimate_every == 0) {
+    if (coupling_) coupling_->bind({state.x, state.v, structure_->is_fixed(), state.is_released});
+    stable_step_->update(state, *structure_, coupling_ ? &*coupling_ : nullptr, estimate_products);
+  }
+  times_.step_estimate += seconds_since(start);
+  double dt = config.number("time.step_max");
+  limiter = "step_max";
+  const double stable = state.frequency > 0 ? 2.0 / state.frequency : 1e300;
+  if (config.number("time.safety") * stable < dt) {
+    dt = config.number("time.safety") * stable;
+    limiter = state.stiffest_part;
+  }
+  if (!config.is_auto("time.step_fixed")) {
+    dt = config.number("time.step_fixed");
+    limiter = "step_fixed";
+    if (dt > stable) {
+      dt = config.number("time.safety") * stable;
+      limiter = state.stiffest_part;
+    }
+  }
+  if (fluid_ && state.step % estimate_every == 0) state.flow_step = fluid_->stable_step(state.flow);
+  if (fluid_ && state.flow_step < dt) {
+    dt = state.flow_step;
+    limiter = "flow";
+  }
+  if (state.step < state.cap_until_step && state.dt_cap < dt) {
+    dt = state.dt_cap;
+    limiter = "retry";
+  }
+  // Growing slowly keeps the two-step scheme of the flow smooth.
+  if (state.dt > 0) dt = std::min(dt, 1.1 * state.dt);
+  if (state.time + dt > stop_time) {
+    dt = stop_time - state.time;
+    limiter = "output";
+  } else if (state.time + 2 * dt > stop_time) {
+    dt = 0.5 * (stop_time - state.time);
+    limiter = "output";
+  }
+  return dt;
+}
+
+void Simulation::advance(State& state, double dt) {
+  const double pressure = waveform_.at(state.time + dt);
+  x_before_ = state.x;
+  if (structure_->contact()) structure_->contact()->import_history(state.friction_slip);
+  structure_->evaluate(state, dt, pressure, forces_, times_);
+  if (structure_->contact()) state.friction_slip = structure_->contact()->export_history();
+
+  if (fluid_) {
+    const CoupledNodes nodes{state.x, state.v, structure_->is_fixed(), state.is_released};
+    auto start = Clock::now();
+    outside_ = coupling_->bind(nodes);
+    force_density_.set_zero();
+    coupling_->hand_over(forces_, force_density_);
+    times_.coupling += seconds_since(start);
+    start = Clock::now();
+    const FlowStepReport report = fluid_->advance(state.flow, force_density_, dt, {{{0, 0}, {0, 0}, {pressure, 0}}});
+    times_.fluid += seconds_since(start);
+    start = Clock::now();
+    coupling_->move(nodes, state.flow.velocity, forces_, dt);
+    times_.coupling += seconds_since(start);
+    state.ledger.work_pressure += report.pressure_work;
+    state.ledger.boundary_kinetic += report.boundary_kinetic;
+    state.ledger.viscous_loss += report.viscous_loss;
+    state.ledger.advection_loss += report.advection_loss;
+  } else {
+    const auto& fixed = structure_->is_fixed();
+    const auto& masses = structure_->masses();
+    const double decay = 1.0 / (1.0 + dt * structural_damping_rate);
+    double damped = 0;
+    for (std::size_t i = 0; i < fixed.size(); ++i) {
+      if (fixed[i]) continue;
+      for (std::size_t a = 3 * i; a < 3 * i + 3; ++a) {
+        const double pushed = state.v[a] + dt * forces_[a] / masses[i];
+        state.v[a] = pushed * decay;
+        damped += 0.5 * masses[i] * (pushed * pushed - state.v[a] * state.v[a]);
+        state.x[a] += dt * state.v[a];
+      }
+    }
+    state.ledger.damping_loss += damped;
+    state.ledger.work_pressure += pressure * -swept_volume_of(structure_->ventricular_faces(), x_before_, state.x);
+  }
+  state.volume_swept += swept_volume_of(structure_->atrial_faces(), x_before_, state.x);
+  state.time += dt;
+  state.step += 1;
+  state.dt = dt;
+  state.dt_sum += dt;
+  state.dt_min = std::min(state.dt_min, dt);
+
+  const double flow = flow_backward(state);
+  const double before = state.flow_rate;
+  state.flow_rate = flow;
+  state.volume_backward += dt * flow;
+  if (state.closing_time < 0) {
+    if (!state.closure_began && flow > 0 && pressure > 0) {
+      state.closure_began = true;
+      state.volume_at_closure_start = state.volume_backward;
+    }
+    if (state.closure_began && before > 0 && flow <= 0) {
+      state.closing_time = state.time;
+      state.closing_volume = state.volume_backward - state.volume_at_closure_start;
+    }
+  }
+}
+
+std::string Simulation::failure(const State& state, int outside) const {
+  if (outside > 0) return fmt::format("{} leaflet points left the fluid box", outside);
+  if (!structure_->solid().statistics().is_finite) return "the tissue's energy is not finite";
+  if (structure_->solid().statistics().inverted > 0)
+    return fmt::format("{} elements are inverted, the worst is element {}", structure_->solid().statistics().inverted, structure_->solid().statistics().J_min_element);
+  const double limit = largest_move * metres_per_mm * (fluid_ ? scene_.tube.grid_spacing : 1.0);
+  for (std::size_t a = 0; a < state.x.size(); ++a)
+    if (!(std::abs(state.x[a] - x_before_[a]) < limit)) return fmt::format("node {} moved {:.3g} mm in one step", a / 3, 1e3 * std::abs(state.x[a] - x_before_[a]));
+  if (!std::isfinite(state.flow_rate)) return "the flow is not finite";
+  return "";
+}
+
+std::string Simulation::step(State& state, double stop_time) {
+  if (!has_snapshot_ || (state.step % snapshot_every == 0 && state.step != snapshot_.step)) {
+    snapshot_ = state;
+    has_snapshot_ = true;
+  }
+  std::string limiter;
+  const double dt = choose_step(state, stop_time, limiter);
+  std::string reason;
+  try {
+    advance(state, dt);
+    reason = failure(state, outside_);
+  } catch (const TrustError& error) {
+    reason = error.what();
+  }
+  if (!reason.empty()) {
+    const long in_a_row = state.rollbacks_in_a_row + 1;
+    if (in_a_row > rollbacks_allowed)
+      throw TrustError(fmt::format("the run cannot go on at {:.6f} s after {} smaller steps: {}", state.time, rollbacks_allowed, reason));
+    const long total = state.rollbacks + 1;
+    spdlog::warn("step {} at {:.6f} s: {}; back to {:.6f} s with steps of {:.3g} us", state.step, state.time, reason, snapshot_.time, 0.5e6 * dt);
+    const double cap = 0.5 * std::min(dt, state.dt_cap);
+    state = snapshot_;
+    state.dt_cap = cap;
+    state.cap_until_step = state.step + cap_steps;
+    state.rollbacks = total;
+    state.rollbacks_in_a_row = in_a_row;
+    snapshot_ = state;
+    return "retry";
+  }
+  if (state.step >= state.cap_until_step) {
+    state.dt_cap = 1e300;
+    state.rollbacks_in_a_row = 0;
+  }
+  return limiter;
+}
+
+void Simulation::refresh(State& state) {
+  State copy = state;
+  PartTimes ignored;
+  if (structure_->contact()) structure_->contact()->import_history(copy.friction_slip);
+  structure_->evaluate(copy, 0.0, waveform_.at(state.time), forces_, ignored);
+  if (structure_->contact()) structure_->contact()->import_history(state.friction_slip);
+}
+
+double Simulation::flow_backward(const State& state) const {
+  if (!fluid_) return 0.0;
+  return fluid_->flow_through_z(state.flow, fluid_->grid().n[2] / 2);
+}
+
+double Simulation::kinetic_energy(const State& state) const {
+  double energy = fluid_ ? fluid_->kinetic_energy(state.flow) : 0.0;
+  for (std::size_t i = 0; i < state.is_released.size(); ++i)
+    if (!fluid_ || state.is_released[i]) energy += 0.5 * structure_->masses()[i] * Vec3::Map(state.v.data() + 3 * i).squaredNorm();
+  return energy;
+}
+
+double Simulation::total_energy(const State& state) const {
+  return kinetic_energy(state) + state.elastic_energy + state.chordae_energy + state.contact_energy;
+}
+
+double Simulation::energy_residual(const State& state) const {
+  const EnergyLedger& l = state.ledger;
+  const double gained = total_energy(state) - state.initial_energy;
+  const double unexplained = l.work_pressure + l.boundary_kinetic - l.viscous_loss - l.advection_loss - l.friction_loss - l.damping_loss - l.coupling_loss - gained;
+  return std::abs(unexplained) / std::max(std::abs(l.work_pressure), 1e-9);
+}
+
+}  // namespace mv

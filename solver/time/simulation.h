@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// One run of a scene: owns the models, advances a State.
+//
+// With blood (immersed boundary, papers/s1): forces of tissue, chordae and contact at x are spread onto the grid, the blood advances,
+// and the nodes move with the interpolated velocity. Without blood every node moves on its own mass under the pressure on its face.
+// Semi-implicit (symplectic) Euler; the step follows the current tangent (stable_step.h).
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "solver/coupling/coupling.h"
+#include "solver/time/scene.h"
+#include "solver/time/stable_step.h"
+#include "solver/time/structure.h"
+#include "solver/time/waveform.h"
+
+namespace mv {
+
+class Simulation {
+ public:
+  explicit Simulation(Scene scene);
+
+  State initial_state();
+
+  /// Advances by one step of the length that stability allows, at most up to `stop_time`. A step that fails (not finite, an element inverted, a
+  /// node outside the box or moving too fast) is rolled back to the last good state and repeated with smaller steps. Throws TrustError
+  /// with the reason when that does not help either. Returns the name of what limited the step.
+  std::string step(State& state, double stop_time);
+
+  double pressure_difference(double time) const { return waveform_.at(time); }  // Pa, ventricle minus atrium
+  double flow_backward(const State& state) const;   // m3/s, ventricle to atrium
+  double total_energy(const State& state) const;    // J, kinetic + elastic
+  double kinetic_energy(const State& state) const;  // J
+  /// What the discrete budget leaves unexplained over the work done (DESIGN, section 6).
+  double energy_residual(const State& state) const;
+
+  /// Recomputes forces and contact at the state's positions without moving anything, so that per-node results belong to this state.
+  void refresh(State& state);
+
+  /// The state a rollback returns to, for the checkpoint; null before the first step.
+  const State* snapshot() const { return has_snapshot_ ? &snapshot_ : nullptr; }
+  void restore_snapshot(const State& snapshot) {
+    snapshot_ = snapshot;
+    has_snapshot_ = true;
+  }
+
+  const Scene& scene() const { return scene_; }
+  Structure& structure() { return *structure_; }
+  const Structure& structure() const { return *structure_; }
+  const NavierStokes* fluid() const { return fluid_ ? &*fluid_ : nullptr; }
+  const Coupling* coupling() const { return coupling_ ? &*coupling_ : nullptr; }
+  PartTimes& times() { return times_; }
+  const std::vector<double>& forces() const { return forces_; }
+
+ private:
+  void advance(State& state, double dt);
+  double choose_step(State& state, double stop_time, std::string& limiter);
+  std::string failure(const State& state, int outside) const;
+
+  Scene scene_;
+  Waveform waveform_;
+  std::optional<Structure> structure_;
+  std::optional<NavierStokes> fluid_;
+  std::optional<Coupling> coupling_;
+  std::optional<StableStep> stable_step_;
+  FaceField force_density_;
+  std::vector<double> forces_;
+  std::vector<double> x_before_;
+  State snapshot_;
+  bool has_snapshot_ = false;
+  int outside_ = 0;
+  PartTimes times_;
+};
+
+}  // namespace mv

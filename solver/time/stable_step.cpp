@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver/time/stable_step.h"
+
+#include <cmath>
+#include <numeric>
+
+namespace mv {
+
+StableStep::StableStep(std::size_t unknowns, const FluidGrid* grid) : stiff_(unknowns), moved_(unknowns) {
+  if (grid) scratch_ = FaceField(*grid);
+}
+
+void StableStep::update(State& state, Structure& structure, const Coupling* coupling, int iterations) {
+  const std::size_t unknowns = state.x.size();
+  const auto& is_fixed = structure.is_fixed();
+  if (state.mode_shape.size() != unknowns) {
+    // Any start that is not orthogonal to the stiffest mode will do; this one is the same on every machine.
+    state.mode_shape.resize(unknowns);
+    for (std::size_t i = 0; i < unknowns; ++i) state.mode_shape[i] = is_fixed[i / 3] ? 0.0 : std::sin(12.9898 * static_cast<double>(i) + 1.0);
+    iterations = std::max(iterations, 25);
+  }
+  std::array<double, 3> shares{};
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    const double norm = std::sqrt(std::inner_product(state.mode_shape.begin(), state.mode_shape.end(), state.mode_shape.begin(), 0.0));
+    if (!(norm > 0)) return;
+    for (double& v : state.mode_shape) v /= norm;
+    structure.stiffness_times(state.x, state.mode_shape, stiff_, shares);
+    if (coupling) {
+      const CoupledNodes nodes{state.x, state.v, is_fixed, state.is_released};
+      coupling->accelerate(nodes, stiff_, scratch_, moved_);
+    } else {
+      for (std::size_t i = 0; i < unknowns; ++i) moved_[i] = is_fixed[i / 3] ? 0.0 : stiff_[i] / structure.masses()[i / 3];
+    }
+    const double growth = std::sqrt(std::inner_product(moved_.begin(), moved_.end(), moved_.begin(), 0.0));
+    state.frequency = std::sqrt(growth);
+    std::swap(state.mode_shape, moved_);
+  }
+  const std::size_t largest = static_cast<std::size_t>(std::max_element(shares.begin(), shares.end()) - shares.begin());
+  static const char* const names[] = {"tissue", "chordae", "contact"};
+  state.stiffest_part = names[largest];
+}
+
+}  // namespace mv

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// The stable step from the current tangent. A step is semi-implicit Euler, u += dt B F(x), x += dt u, with the mobility B: stable for
+// dt < 2 / omega, omega^2 the largest eigenvalue of B K. Found by power iteration from the last mode, so that a few products follow the
+// tangent as fibres stiffen; the share of tissue, chordae and contact in v.K.v names what limits the step. The pressure's reply, which is
+// left out, only lowers omega.
+
+#include "solver/coupling/coupling.h"
+#include "solver/time/structure.h"
+
+namespace mv {
+
+class StableStep {
+ public:
+  StableStep(std::size_t unknowns, const FluidGrid* grid);
+
+  /// Improves state.mode_shape by `iterations` products and sets state.frequency (rad/s) and state.stiffest_part.
+  void update(State& state, Structure& structure, const Coupling* coupling, int iterations);
+
+ private:
+  std::vector<double> stiff_, moved_;
+  FaceField scratch_;
+};
+
+}  // namespace mv

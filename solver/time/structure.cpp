@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver/time/structure.h"
+
+#include <chrono>
+#include <numeric>
+
+#include "geometry/core/errors.h"
+#include "solver/output/contact_map.h"
+
+namespace mv {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+constexpr double metres_per_mm = 1e-3;
+// The penalty carries the largest pressure of the run at this share of the threshold.
+constexpr double penetration_share = 0.2;
+
+Material material_of(const Config& config, const std::string& leaflet) {
+  const std::string at = "leaflet." + leaflet + ".";
+  Material m;
+  m.law = law_from_name(config.text(at + "law"));
+  m.density = config.number("leaflet.density");
+  m.bulk = config.number("leaflet.bulk");
+  m.m1_c = config.number(at + "m1_c");
+  m.m1_a = config.number(at + "m1_a");
+  m.m1_b = config.number(at + "m1_b");
+  m.hgo_c10 = config.number(at + "hgo_c10");
+  m.hgo_k1 = config.number(at + "hgo_k1");
+  m.hgo_k2 = config.number(at + "hgo_k2");
+  m.hgo_kappa = config.number(at + "hgo_kappa");
+  const auto& mu = config.numbers(at + "ogden_mu");
+  const auto& alpha = config.numbers(at + "ogden_alpha");
+  if (mu.size() != 3 || alpha.size() != 3) throw ConfigError(at + "ogden_mu and ogden_alpha: three values each were expected (Ogden, N = 3)");
+  for (std::size_t i = 0; i < 3; ++i) {
+    m.ogden_mu[i] = mu[i];
+    m.ogden_alpha[i] = alpha[i];
+  }
+  m.neo_mu = config.number(at + "neo_mu");
+  m.distortion_strain = config.number("leaflet.distortion_strain");
+  m.distortion_factor = config.number("leaflet.distortion_factor");
+  if (config.text("fibers.model") == "none") {
+    // Without fibres the fibre terms of M1 and HGO would follow an arbitrary direction.
+    m.m1_a = 0;
+    if (m.law == Law::hgo) m.hgo_kappa = 1.0 / 3.0;
+  }
+  return m;
+}
+
+}  // namespace
+
+Structure::Structure(const Scene& scene, double largest_pressure) : has_fluid_(scene.has_fluid()) {
+  const Config& config = scene.config;
+  const LeafletMesh& mesh = scene.mesh;
+  leaflet_nodes_ = static_cast<int>(mesh.points.size());
+  auto to_solver = [&](const Vec3& p) { return Vec3(metres_per_mm * (scene.tube.axes * (p - scene.tube.origin))); };
+
+  SolidMesh solid = to_solid_mesh(mesh);
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) Vec3::Map(solid.points.data() + 3 * i) = to_solver(mesh.points[i]);
+  for (std::size_t e = 0; e < mesh.tets.size(); ++e) Vec3::Map(solid.fibres.data() + 3 * e) = scene.tube.axes * mesh.fibre[e];
+  rest_ = solid.points;
+  solid_.emplace(solid, std::vector<Material>{material_of(config, "anterior"), material_of(config, "posterior")});
+  masses_ = solid_->node_masses();
+  is_fixed_.assign(mesh.on_annulus.begin(), mesh.on_annulus.end());
+  const auto& volumes = solid_->node_volumes();
+  reference_volume_ = std::accumulate(volumes.begin(), volumes.end(), 0.0);
+
+  for (const Vec3& tip : scene.papillary.tips) tips_.push_back(to_solver(tip));
+  if (scene.has_chordae()) {
+    chordae_.emplace(scene.chordae, leaflet_nodes_, config.number("chordae.stiffness"));
+    // Branch points carry half the mass of the segments that meet there.
+    const double density = config.number("chordae.density");
+    for (int point : chordae_->free_points()) {
+      double mass = 0;
+      for (const ChordaSegment& s : scene.chordae.segments)
+        if (s.a == point || s.b == point) mass += 0.5 * density * s.area * 1e-6 * s.rest_length * metres_per_mm;
+      const Vec3 p = to_solver(scene.chordae.points[static_cast<std::size_t>(point)]);
+      rest_.insert(rest_.end(), {p.x(), p.y(), p.z()});
+      masses_.push_back(mass);
+      is_fixed_.push_back(0);
+    }
+  }
+
+  ventricular_faces_ = faces_on_side(mesh, ventricular).triangles;
+  atrial_faces_ = faces_on_side(mesh, atrial).triangles;
+
+  if (scene.has_contact()) {
+    const std::span<const double> leaflet_rest(rest_.data(), 3 * mesh.points.size());
+    surface_ = extract_contact_surface(leaflet_rest, mesh.tets, mesh.order, mesh.side,
+                                       config.text("contact.faces") == "inner" ? ContactFaces::inner : ContactFaces::both);
+    ContactOptions options;
+    options.threshold = threshold_ = config.is_auto("contact.threshold") ? 0.2 * config.number("tube.spacing") : config.number("contact.threshold");
+    options.stiffness = config.number("contact.stiffness") * largest_pressure / (penetration_share * options.threshold);
+    options.friction = config.number("contact.friction");
+    options.thickness = config.number("mesh.thickness");
+    options.search_every = static_cast<int>(config.integer("contact.search_every"));
+    contact_ = std::make_unique<SelfContact>(surface_, options);
+  }
+}
+
+void Structure::evaluate(State& state, double dt, double ventricular_pressure, std::span<double> forces, PartTimes& times) {
+  std::fill(forces.begin(), forces.end(), 0.0);
+  const std::size_t leaflet_size = 3 * static_cast<std::size_t>(leaflet_nodes_);
+  const std::span<const double> x(state.x.data(), leaflet_size);
+  auto start = Clock::now();
+  state.elastic_energy = solid_->forces(x, forces.first(leaflet_size));
+  const SolidStatistics& statistics = solid_->statistics();
+  state.J_min = statistics.J_min;
+  state.J_max = statistics.J_max;
+  state.controlled_fraction_max = std::max(state.controlled_fraction_max, statistics.controlled_fraction);
+  times.solid += seconds_since(start);
+
+  if (chordae_) {
+    start = Clock::now();
+    state.chordae_energy = chordae_->forces(state.x, tips_, forces);
+    times.chordae += seconds_since(start);
+  }
+  if (contact_) {
+    start = Clock::now();
+    contact_result_ = contact_->evaluate(x, std::span<const double>(state.v.data(), leaflet_size), dt, forces.first(leaflet_size));
+    state.contact_energy = contact_result_.potential_energy + contact_result_.friction_energy;
+    state.ledger.friction_loss += contact_result_.friction_dissipation;
+    state.penetration_max = std::max(state.penetration_max, contact_result_.penetration_max);
+    times.contact += seconds_since(start);
+  }
+  if (!has_fluid_ && ventricular_pressure != 0) {
+    for (const auto& t : ventricular_faces_) {
+      const Vec3 a = Vec3::Map(state.x.data() + 3 * t[0]), b = Vec3::Map(state.x.data() + 3 * t[1]), c = Vec3::Map(state.x.data() + 3 * t[2]);
+      const Vec3 push = -ventricular_pressure / 6.0 * (b - a).cross(c - a);
+      for (int node : t) Vec3::Map(forces.data() + 3 * node) += push;
+    }
+  }
+}
+
+void Structure::stiffness_times(std::span<const double> x, std::span<const double> v, std::span<double> out, std::array<double, 3>& shares) {
+  const std::size_t leaflet_size = 3 * static_cast<std::size_t>(leaflet_nodes_);
+  std::fill(out.begin(), out.end(), 0.0);
+  auto product = [&] { return std::inner_product(out.begin(), out.end(), v.begin(), 0.0); };
+  solid_->forces_directional(x.first(leaflet_size), v.first(leaflet_size), out.first(leaflet_size));
+  shares[0] = product();
+  if (chordae_) chordae_->stiffness_times(x, tips_, v, out);
+  shares[1] = product() - shares[0];
+  if (contact_) {
+    const auto force = contact_->normal_force();
+    const auto normal = contact_->normal();
+    const double stiffness = contact_->options().stiffness;
+    for (int s = 0; s < surface_.node_count(); ++s) {
+      if (force[static_cast<std::size_t>(s)] <= 0) continue;
+      // Both passes act on a node: once as a slave, once through the facets it is a corner of.
+      const Vec3& n = normal[static_cast<std::size_t>(s)];
+      const int node = surface_.nodes[static_cast<std::size_t>(s)];
+      const double k = stiffness * surface_.reference_area[static_cast<std::size_t>(s)];
+      Vec3::Map(out.data() + 3 * node) += 2.0 * k * n.dot(Vec3::Map(v.data() + 3 * node)) * n;
+    }
+  }
+  shares[2] = product() - shares[0] - shares[1];
+}
+
+}  // namespace mv

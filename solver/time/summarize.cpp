@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver/time/summarize.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "geometry/core/parallel.h"
+#include "solver/contact/intersection.h"
+#include "solver/output/contact_map.h"
+#include "solver/seal/belt.h"
+#include "solver/seal/seal.h"
+#include "solver/seal/valve_metrics.h"
+
+namespace mv {
+namespace {
+
+constexpr double ml_per_m3 = 1e6;
+// Trust gates.
+constexpr double energy_residual_limit = 0.05;
+constexpr double volume_drift_limit = 0.01;
+
+AnnulusPlane plane_of(const Scene& scene) { return {scene.annulus.origin, -scene.annulus.normal}; }
+
+void put_seal(Summary& summary, const Simulation& simulation, const std::vector<Vec3>& points, double threshold_mm) {
+  const Scene& scene = simulation.scene();
+  SealInput input;
+  input.points = points;
+  input.triangles = boundary_faces(scene.mesh).triangles;
+  input.region.assign(points.size(), 0);
+  for (std::size_t e = 0; e < scene.mesh.tets.size(); ++e)
+    for (int n = 0; n < scene.mesh.nodes_per_tet(); ++n) input.region[static_cast<std::size_t>(scene.mesh.tets[e][static_cast<std::size_t>(n)])] = scene.mesh.region[e];
+  input.unfolded = scene.mesh.unfolded;
+  input.annulus = scene.annulus.points;
+  input.tube = scene.tube;
+  if (scene.papillary.tips.size() == 2) input.anterolateral = (scene.papillary.tips[0] - scene.papillary.tips[1]).normalized();
+  const SealResult seal = find_seal(input, threshold_mm);
+  summary.set("seal.sealed", seal.sealed);
+  summary.set("seal.certain", seal.certain);
+  summary.set("seal.threshold_mm", seal.threshold_mm);
+  summary.set("seal.smallest_sealing_threshold_mm", seal.smallest.value_mm);
+  summary.set("seal.smallest_sealing_threshold_lower_mm", seal.smallest.lower_mm);
+  summary.set("seal.last_passage", seal.smallest.location);
+  summary.set("seal.hole_area_mm2", seal.hole_area_mm2);
+  Json holes = Json::array();
+  for (const Hole& hole : seal.holes)
+    holes.push_back({{"location", hole.location},
+                     {"place_mm", {hole.place.x(), hole.place.y(), hole.place.z()}},
+                     {"area_mm2", hole.area_mm2},
+                     {"width_mm", hole.width_mm}});
+  summary.set("seal.holes", holes);
+  summary.set("seal.grid_spacing_mm", seal.spacing_mm);
+}
+
+void put_contact(Summary& summary, const Simulation& simulation, const State& state, const std::vector<Vec3>& points, const ContactMeasure& contact) {
+  const Scene& scene = simulation.scene();
+  BeltInput input;
+  input.unfolded = scene.mesh.unfolded;
+  input.current = points;
+  const FaceTriangles faces = faces_on_side(scene.mesh, atrial);
+  input.triangles = faces.triangles;
+  for (int element : faces.element) input.region.push_back(scene.mesh.region[static_cast<std::size_t>(element)]);
+  input.in_contact = contact.in_contact;
+  const BeltResult belt = measure_belt(input);
+  summary.set("contact.belt_continuous", belt.continuous);
+  summary.set("contact.belt_width_mm_mean", belt.width_mean_mm);
+  Json interruptions = Json::array();
+  for (const BeltInterruption& i : belt.interruptions)
+    interruptions.push_back({{"leaflet", i.region == anterior ? "anterior" : "posterior"}, {"u_from_mm", i.u_from}, {"u_to_mm", i.u_to}, {"width_mm", i.width_mm}});
+  summary.set("contact.belt_interruptions", interruptions);
+  summary.set("contact.threshold_mm", 1e3 * contact.threshold);
+  summary.set("contact.area_mm2", 1e6 * contact.area);
+  summary.set("contact.force_N", contact.force_total);
+  summary.set("contact.force_penalty_N", contact.penalty_total);
+  summary.set("contact.force_film_N", contact.film_total);
+  summary.set("contact.penetration_max_mm", 1e3 * state.penetration_max);
+  std::vector<double> gaps;
+  for (std::size_t i = 0; i < contact.gap.size(); ++i)
+    if (contact.in_contact[i]) gaps.push_back(contact.gap[i]);
+  if (!gaps.empty()) {
+    std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
+    summary.set("contact.belt_gap_mm_median", 1e3 * gaps[gaps.size() / 2]);
+  }
+}
+
+}  // namespace
+
+Summary summarize(Simulation& simulation, const State& state, const ContactMeasure& contact, const RunFacts& facts) {
+  const Scene& scene = simulation.scene();
+  const Structure& structure = simulation.structure();
+  const std::vector<Vec3> points = world_points(simulation, state);
+  Summary summary;
+  summary.set("run.end", facts.end);
+  if (const NavierStokes* fluid = simulation.fluid()) {
+    const FluidGrid& grid = fluid->grid();
+    summary.set("fluid.cells", static_cast<long>(grid.cells()));
+    summary.set("fluid.cells_in_tube", std::lround(fluid->wall().area / (grid.h * grid.h)) * grid.n[2]);
+    summary.set("fluid.spacing_mm", 1e3 * grid.h);
+  }
+  summary.set("solid.tets", static_cast<long>(scene.mesh.tets.size()));
+  summary.set("solid.points", static_cast<long>(scene.mesh.points.size()));
+  summary.set("solid.J_min", state.J_min);
+  summary.set("solid.J_max", state.J_max);
+  summary.set("solid.distortion_controlled_fraction", state.controlled_fraction_max);
+  summary.set("run.steps", state.step);
+  summary.set("run.wall_s", facts.wall_seconds);
+  summary.set("run.threads", thread_count());
+  summary.set("run.simulated_s", state.time);
+  summary.set("run.dt_mean_s", state.step > 0 ? state.dt_sum / static_cast<double>(state.step) : 0.0);
+  summary.set("run.dt_min_s", state.step > 0 ? state.dt_min : 0.0);
+  summary.set("run.rollbacks", state.rollbacks);
+  const PartTimes& times = simulation.times();
+  const double all = std::max(times.sum(), 1e-12);
+  summary.set("run.share.fluid", times.fluid / all);
+  summary.set("run.share.coupling", times.coupling / all);
+  summary.set("run.share.solid", times.solid / all);
+  summary.set("run.share.contact", times.contact / all);
+  summary.set("run.share.chordae", times.chordae / all);
+  summary.set("run.share.step_estimate", times.step_estimate / all);
+  summary.set("run.share.output", times.output / all);
+  if (simulation.fluid()) {
+    const bool has_closed = state.closing_time >= 0;
+    summary.set("flow.closing_volume_ml", has_closed ? Json(ml_per_m3 * state.closing_volume) : Json());
+    summary.set("flow.closing_time_s", has_closed ? Json(state.closing_time) : Json());
+    summary.set("flow.backward_volume_ml", ml_per_m3 * state.volume_backward);
+    summary.set("flow.leak_volume_ml", has_closed ? Json(ml_per_m3 * (state.volume_backward - state.volume_at_closure_start - state.closing_volume)) : Json());
+    summary.set("flow.leak_rate_ml_s", ml_per_m3 * facts.leak_rate);
+    summary.set("flow.leak_window_s", facts.leak_window);
+    summary.set("flow.peak_velocity_m_s", facts.peak_velocity);
+  }
+  const double default_threshold_mm = simulation.fluid() ? 0.2e3 * simulation.fluid()->grid().h : 0.2;
+  put_seal(summary, simulation, points, structure.contact() ? 1e3 * contact.threshold : default_threshold_mm);
+  if (structure.contact()) put_contact(summary, simulation, state, points, contact);
+  const auto boundary = boundary_faces(scene.mesh).triangles;
+  summary.set("contact.self_intersections", static_cast<long>(self_intersections(points, boundary).pairs.size()));
+
+  const AnnulusPlane plane = plane_of(scene);
+  const Triangles atrial_triangles = faces_on_side(scene.mesh, atrial).triangles;
+  const Bulging bulging = measure_bulging(points, atrial_triangles, plane);
+  summary.set("bulging.volume_ml", bulging.volume_ml);
+  summary.set("bulging.area_ratio", bulging.area_ratio);
+  summary.set("bulging.height_mm", bulging.height_mm);
+  const auto loops = flagged_boundary_loops(atrial_triangles, scene.mesh.on_free_edge);
+  if (!loops.empty()) {
+    std::vector<Vec3> now, open;
+    for (int node : loops.front()) {
+      now.push_back(points[static_cast<std::size_t>(node)]);
+      open.push_back(scene.mesh.points[static_cast<std::size_t>(node)]);
+    }
+    summary.set("orifice.area_cm2", orifice_area_cm2(now, open, plane));
+    summary.set("orifice.open_area_cm2", orifice_area_cm2(open, open, plane));
+  }
+  if (const ChordaeTension* chordae = structure.chordae()) {
+    const SeriesRow row = measure_series(simulation, state, contact);
+    summary.set("chordae.force_primary_N", row.chordae_primary_N);
+    summary.set("chordae.force_secondary_N", row.chordae_secondary_N);
+    Json forces = Json::array();
+    double total = 0;
+    for (const auto& pull : chordae->papillary_forces()) {
+      forces.push_back(pull.norm());
+      total += pull.norm();
+    }
+    summary.set("papillary.force_N", forces);
+    summary.set("papillary.force_total_N", total);
+  }
+  summary.set("energy.residual_relative", simulation.energy_residual(state));
+  summary.set("mass.solid_volume_drift", facts.volume_drift_max);
+  summary.set("mass.divergence_relative", simulation.fluid() ? Json(simulation.fluid()->relative_divergence(state.flow)) : Json());
+  return summary;
+}
+
+std::vector<std::string> failed_trust_gates(const Summary& summary) {
+  std::vector<std::string> failed;
+  const Json& json = summary.json();
+  const Json& crossings = json_at(json, "contact.self_intersections");
+  if (crossings.is_number() && crossings.get<long>() > 0) failed.push_back(fmt::format("{} pairs of leaflet triangles cross each other in the last frame", crossings.get<long>()));
+  const Json& residual = json_at(json, "energy.residual_relative");
+  if (!residual.is_number() || residual.get<double>() > energy_residual_limit)
+    failed.push_back(fmt::format("energy residual {:.3g} is above {:.3g}", residual.is_number() ? residual.get<double>() : NAN, energy_residual_limit));
+  const Json& drift = json_at(json, "mass.solid_volume_drift");
+  if (!drift.is_number() || std::abs(drift.get<double>()) > volume_drift_limit)
+    failed.push_back(fmt::format("solid volume drifts by {:.3g}, limit {:.3g}", drift.is_number() ? drift.get<double>() : NAN, volume_drift_limit));
+  return failed;
+}
+
+}  // namespace mv

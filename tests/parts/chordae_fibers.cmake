@@ -1,0 +1,7 @@
+if(TARGET mv_chordae_geometry)
+  mv_add_test(unit_chordae_geometry SOURCES unit/chordae_geometry/insertion_test.cpp unit/chordae_geometry/generic_chordae_test.cpp
+    LIBRARIES mv_chordae_geometry)
+endif()
+if(TARGET mv_fibers)
+  mv_add_test(unit_fibers SOURCES unit/fibers/nematic_test.cpp unit/fibers/fiber_field_test.cpp LIBRARIES mv_fibers)
+endif()
