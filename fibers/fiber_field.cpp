@@ -20,7 +20,8 @@ constexpr double flat_sine = 0.1;
 constexpr double guide_reach = 0.6;
 // The guide keeps this share of the lowest border between its ends, so that it passes notches on the annulus side.
 constexpr double notch_clearance = 0.8;
-// The commissure rule ends here (share of the half width): beyond it the border turns through the fillet of the commissure itself.
+// The commissure rule ends here (share of the half width): beyond it the border turns through the fillet of the commissure
+// itself.
 constexpr double commissure_rule_end = 0.9;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -28,7 +29,8 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 // One leaflet on the flat pattern: u unwrapped, border as a function of u, and the tangents dx/du, dx/dv at its nodes.
 class LeafletPattern {
  public:
-  LeafletPattern(const LeafletMesh& mesh, int region, double period) : mesh_(mesh), u_(mesh.points.size(), 0.0), is_used_(mesh.points.size(), 0) {
+  LeafletPattern(const LeafletMesh& mesh, int region, double period)
+      : mesh_(mesh), u_(mesh.points.size(), 0.0), is_used_(mesh.points.size(), 0) {
     for (std::size_t e = 0; e < mesh.tets.size(); ++e)
       if (mesh.region[e] == region) elements_.push_back(static_cast<int>(e));
     if (elements_.empty()) return;
@@ -75,7 +77,8 @@ class LeafletPattern {
       const int seed = mesh_.tets[at(e)][0];
       if (is_used_[at(seed)]) continue;
       // Parts of a leaflet that hang on nothing else start on the image nearest to the first part.
-      u_[at(seed)] = nodes_.empty() ? mesh_.unfolded[at(seed)].x() : nearest_image(mesh_.unfolded[at(seed)].x(), u_[at(nodes_.front())], period);
+      u_[at(seed)] = nodes_.empty() ? mesh_.unfolded[at(seed)].x()
+                                    : nearest_image(mesh_.unfolded[at(seed)].x(), u_[at(nodes_.front())], period);
       is_used_[at(seed)] = 1;
       std::queue<int> queue({seed});
       while (!queue.empty()) {
@@ -105,7 +108,8 @@ class LeafletPattern {
     if (border_.size() < 3 || !(half_width_ > 0))
       throw InputError("fibers: arcs need the free border of each leaflet (point arrays 'free_edge', 'side', 'unfolded')");
     std::sort(border_.begin(), border_.end(), [](const Vec2& a, const Vec2& b) { return a.x() < b.x(); });
-    for (const Vec2& p : border_) tallest_ = std::max(tallest_, p.y());
+    for (const Vec2& p : border_)
+      tallest_ = std::max(tallest_, p.y());
   }
 
   void find_tangents() {
@@ -161,7 +165,8 @@ class LeafletPattern {
   double middle_ = 0, half_width_ = 0, tallest_ = 0, spacing_ = 0;
 };
 
-std::vector<GivenDirection> arc_directions(const LeafletMesh& mesh, const LeafletPattern& leaflet, const ArcShape& arc, double border_middle) {
+std::vector<GivenDirection> arc_directions(const LeafletMesh& mesh, const LeafletPattern& leaflet, const ArcShape& arc,
+                                           double border_middle) {
   const double v_end_left = leaflet.border(-arc.end), v_end_right = leaflet.border(arc.end);
   const double v_apex = std::min(arc.apex * leaflet.tallest(), notch_clearance * leaflet.lowest_border(arc.end));
   std::vector<GivenDirection> given;
@@ -173,7 +178,8 @@ std::vector<GivenDirection> arc_directions(const LeafletMesh& mesh, const Leafle
       const double rise = (t < 0 ? v_end_left : v_end_right) - v_apex, along = std::abs(t) / arc.end;
       const double v_arc = v_apex + rise * std::pow(along, arc.power);
       const double slope = side * rise * arc.power * std::pow(along, arc.power - 1) / (arc.end * leaflet.half_width());
-      if (std::abs(leaflet.v(i) - v_arc) / std::hypot(1.0, slope) < guide_reach * leaflet.spacing()) given.push_back({i, xu + slope * xv, 1});
+      if (std::abs(leaflet.v(i) - v_arc) / std::hypot(1.0, slope) < guide_reach * leaflet.spacing())
+        given.push_back({i, xu + slope * xv, 1});
     }
     if (!mesh.on_free_edge[at(i)]) continue;
     if (std::abs(t) <= border_middle) {
@@ -222,12 +228,16 @@ std::vector<Vec3> parallel_fibers(const LeafletMesh& mesh, const Vec3& normal) {
       continue;
     }
     fibres[e] = direction.normalized();
-    for (std::size_t i = 0; i < 4; ++i) given.push_back({mesh.tets[e][i], fibres[e], 1});
+    for (std::size_t i = 0; i < 4; ++i)
+      given.push_back({mesh.tets[e][i], fibres[e], 1});
   }
   if (flat.empty()) return fibres;
-  if (given.empty()) throw InputError("fibers: the leaflets lie in the annulus plane, so \"parallel\" has no direction; use fibers.model = \"arc\"");
+  if (given.empty())
+    throw InputError(
+        "fibers: the leaflets lie in the annulus plane, so \"parallel\" has no direction; use fibers.model = \"arc\"");
   const NematicField field = diffuse_directions(mesh, all, given);
-  for (int e : flat) fibres[at(e)] = field.directions[at(e)];
+  for (int e : flat)
+    fibres[at(e)] = field.directions[at(e)];
   return fibres;
 }
 
@@ -243,18 +253,26 @@ std::vector<Vec3> arc_fibers(const LeafletMesh& mesh, const FiberOptions& option
   for (int region : {static_cast<int>(anterior), static_cast<int>(posterior)}) {
     const LeafletPattern leaflet(mesh, region, period);
     if (leaflet.elements().empty()) continue;
-    const auto given = arc_directions(mesh, leaflet, region == anterior ? options.anterior : options.posterior, options.border_middle);
+    const auto given =
+        arc_directions(mesh, leaflet, region == anterior ? options.anterior : options.posterior, options.border_middle);
     const NematicField field = diffuse_directions(mesh, leaflet.elements(), given);
-    for (std::size_t k = 0; k < leaflet.elements().size(); ++k) fibres[at(leaflet.elements()[k])] = field.directions[k];
+    for (std::size_t k = 0; k < leaflet.elements().size(); ++k)
+      fibres[at(leaflet.elements()[k])] = field.directions[k];
   }
   return fibres;
 }
 
 void assign_fibers(LeafletMesh& mesh, const Annulus& annulus, const FiberOptions& options) {
   switch (options.model) {
-    case FiberModel::none: mesh.fibre.assign(mesh.tets.size(), Vec3::Zero()); return;
-    case FiberModel::parallel: mesh.fibre = parallel_fibers(mesh, annulus.normal); return;
-    case FiberModel::arc: mesh.fibre = arc_fibers(mesh, options); return;
+    case FiberModel::none:
+      mesh.fibre.assign(mesh.tets.size(), Vec3::Zero());
+      return;
+    case FiberModel::parallel:
+      mesh.fibre = parallel_fibers(mesh, annulus.normal);
+      return;
+    case FiberModel::arc:
+      mesh.fibre = arc_fibers(mesh, options);
+      return;
   }
 }
 
@@ -262,8 +280,8 @@ FiberReport check_fibers(const LeafletMesh& mesh, FiberModel model, double toler
   FiberReport report;
   report.elements = static_cast<int>(mesh.tets.size());
   if (mesh.fibre.size() != mesh.tets.size() || mesh.sheet_normal.size() != mesh.tets.size()) {
-    report.message = "fibre or sheet_normal is missing: " + std::to_string(mesh.fibre.size()) + " and " + std::to_string(mesh.sheet_normal.size()) +
-                     " entries for " + std::to_string(mesh.tets.size()) + " elements";
+    report.message = "fibre or sheet_normal is missing: " + std::to_string(mesh.fibre.size()) + " and " +
+                     std::to_string(mesh.sheet_normal.size()) + " entries for " + std::to_string(mesh.tets.size()) + " elements";
     return report;
   }
   for (std::size_t e = 0; e < mesh.tets.size(); ++e) {
@@ -278,8 +296,10 @@ FiberReport check_fibers(const LeafletMesh& mesh, FiberModel model, double toler
       const double unit = std::abs(f.norm() - 1), tangent = std::abs(f.dot(mesh.sheet_normal[e]));
       report.unit_error_max = std::max(report.unit_error_max, unit);
       report.tangent_error_max = std::max(report.tangent_error_max, tangent);
-      if (!(unit <= tolerance)) reason = "has length " + std::to_string(f.norm());
-      else if (!(tangent <= tolerance)) reason = "leaves the tangent plane: fibre . sheet_normal = " + std::to_string(f.dot(mesh.sheet_normal[e]));
+      if (!(unit <= tolerance))
+        reason = "has length " + std::to_string(f.norm());
+      else if (!(tangent <= tolerance))
+        reason = "leaves the tangent plane: fibre . sheet_normal = " + std::to_string(f.dot(mesh.sheet_normal[e]));
     }
     if (!reason.empty() && report.first_bad_element < 0) {
       report.first_bad_element = static_cast<int>(e);

@@ -2,8 +2,8 @@
 #pragma once
 
 // Collagen directions of the leaflets (papers/s2, section 3): one family, parallel to the annulus or following arcs.
-// A fibre has no sign: +f and -f are the same. Directions are therefore diffused as z = exp(2 i phi), phi the angle in the tangent plane
-// (fibers/nematic.h), and everything here gives the same result when an input is negated.
+// A fibre has no sign: +f and -f are the same. Directions are therefore diffused as z = exp(2 i phi), phi the angle in the
+// tangent plane (fibers/nematic.h), and everything here gives the same result when an input is negated.
 
 #include <string>
 #include <string_view>
@@ -18,14 +18,14 @@ enum class FiberModel { none, parallel, arc };
 /// "none", "parallel" or "arc"; throws ConfigError otherwise.
 FiberModel fiber_model_from_name(std::string_view name);
 
-/// Arcs of one leaflet on the flat pattern. With t in [-1, 1] across the leaflet (u), H its largest height and h(t) the height of its border, the
-/// guide runs from the border at t = -end through (0, apex H) to the border at t = +end:
+/// Arcs of one leaflet on the flat pattern. With t in [-1, 1] across the leaflet (u), H its largest height and h(t) the height of
+/// its border, the guide runs from the border at t = -end through (0, apex H) to the border at t = +end:
 ///   v(t) = v_a + (h(end) - v_a) |t/end|^power,    v_a = min(apex H, 0.8 lowest h between the ends)
 /// convex towards the annulus, so that it joins the two groups of chordae ends left and right.
 struct ArcShape {
-  double end = 0.7;      // where the guide meets the border, share of the half width; 0 < end < 1
-  double apex = 0.45;    // distance of its middle from the annulus, share of the leaflet's height; 0 < apex < 1
-  double power = 2.0;    // 2 parabola; larger: flatter middle and steeper ends; at least 1
+  double end = 0.7;    // where the guide meets the border, share of the half width; 0 < end < 1
+  double apex = 0.45;  // distance of its middle from the annulus, share of the leaflet's height; 0 < apex < 1
+  double power = 2.0;  // 2 parabola; larger: flatter middle and steeper ends; at least 1
 };
 
 struct FiberOptions {
@@ -35,14 +35,14 @@ struct FiberOptions {
   double border_middle = 0.25;  // share of the half width where fibres at the border are parallel to the annulus; 0: leave free
 };
 
-/// Parallel to the annulus plane: f = normal x sheet_normal. Where the leaflet itself is parallel to that plane (|sin| < 0.1) the direction is
-/// undefined and is filled in by diffusion from the rest of the leaflet. `normal`: unit normal of the annulus plane, either sign.
-/// One unit vector per element. Throws InputError (missing sheet normals, or no element with a direction).
+/// Parallel to the annulus plane: f = normal x sheet_normal. Where the leaflet itself is parallel to that plane (|sin| < 0.1) the
+/// direction is undefined and is filled in by diffusion from the rest of the leaflet. `normal`: unit normal of the annulus plane,
+/// either sign. One unit vector per element. Throws InputError (missing sheet normals, or no element with a direction).
 std::vector<Vec3> parallel_fibers(const LeafletMesh& mesh, const Vec3& normal);
 
-/// Arcs: each leaflet by itself. Given: along the annulus on the annulus row, along the guide arc, in the middle of the border along u, and where the
-/// guide meets the border beyond its ends, perpendicular to the border (commissure rule); the rest by diffusion.
-/// Needs `unfolded`, `on_annulus`, `on_free_edge`. One unit vector per element.
+/// Arcs: each leaflet by itself. Given: along the annulus on the annulus row, along the guide arc, in the middle of the border
+/// along u, and where the guide meets the border beyond its ends, perpendicular to the border (commissure rule); the rest by
+/// diffusion. Needs `unfolded`, `on_annulus`, `on_free_edge`. One unit vector per element.
 std::vector<Vec3> arc_fibers(const LeafletMesh& mesh, const FiberOptions& options);
 
 /// Fills mesh.fibre (zero vectors for FiberModel::none).
@@ -51,11 +51,11 @@ void assign_fibers(LeafletMesh& mesh, const Annulus& annulus, const FiberOptions
 struct FiberReport {
   int elements = 0;
   int non_finite = 0;
-  double unit_error_max = 0;   // | |f| - 1 |
+  double unit_error_max = 0;     // | |f| - 1 |
   double tangent_error_max = 0;  // |f . sheet_normal|
   int first_bad_element = -1;
   bool passed = false;
-  std::string message;         // empty when passed, otherwise element and reason
+  std::string message;  // empty when passed, otherwise element and reason
 };
 
 /// Unit, finite, tangent to the mid-surface within `tolerance`. With FiberModel::none, passes when every entry is zero.

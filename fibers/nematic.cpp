@@ -16,7 +16,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double smallest_order = 1e-9;   // below it, contradicting directions leave no direction at all
+constexpr double smallest_order = 1e-9;    // below it, contradicting directions leave no direction at all
 constexpr double smallest_tangent = 1e-6;  // part of a unit direction that must lie in the tangent plane
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -61,7 +61,8 @@ struct Domain {
 };
 
 Domain make_domain(const LeafletMesh& mesh, const std::vector<int>& elements) {
-  if (mesh.sheet_normal.size() != mesh.tets.size()) throw InputError("fibers: the leaflets have no sheet_normal; run the mesh stage first");
+  if (mesh.sheet_normal.size() != mesh.tets.size())
+    throw InputError("fibers: the leaflets have no sheet_normal; run the mesh stage first");
   Domain d;
   d.local_of_node.assign(mesh.points.size(), -1);
   std::vector<Vec3> normals;
@@ -81,9 +82,11 @@ Domain make_domain(const LeafletMesh& mesh, const std::vector<int>& elements) {
     }
     const auto& t = mesh.tets[at(e)];
     const Vec3 x0 = mesh.points[at(t[0])];
-    const double volume = std::abs((mesh.points[at(t[1])] - x0).cross(mesh.points[at(t[2])] - x0).dot(mesh.points[at(t[3])] - x0)) / 6;
+    const double volume =
+        std::abs((mesh.points[at(t[1])] - x0).cross(mesh.points[at(t[2])] - x0).dot(mesh.points[at(t[3])] - x0)) / 6;
     if (!(volume > 0)) throw InputError("fibers: leaflet element " + std::to_string(e) + " has no volume");
-    for (int c : corner) normals[at(c)] += volume * s;
+    for (int c : corner)
+      normals[at(c)] += volume * s;
     d.corners.push_back(corner);
   }
   for (const Vec3& n : normals) {
@@ -93,20 +96,24 @@ Domain make_domain(const LeafletMesh& mesh, const std::vector<int>& elements) {
   std::vector<int> parent(normals.size());
   std::iota(parent.begin(), parent.end(), 0);
   const auto find = [&](int i) {
-    while (parent[at(i)] != i) i = parent[at(i)] = parent[at(parent[at(i)])];
+    while (parent[at(i)] != i)
+      i = parent[at(i)] = parent[at(parent[at(i)])];
     return i;
   };
   for (const auto& c : d.corners)
-    for (std::size_t i = 1; i < 4; ++i) parent[at(find(c[i]))] = find(c[0]);
+    for (std::size_t i = 1; i < 4; ++i)
+      parent[at(find(c[i]))] = find(c[0]);
   d.part.resize(normals.size());
-  for (std::size_t i = 0; i < parent.size(); ++i) d.part[i] = find(static_cast<int>(i));
+  for (std::size_t i = 0; i < parent.size(); ++i)
+    d.part[i] = find(static_cast<int>(i));
   return d;
 }
 
 // Integrals of grad N_i . grad N_j over one linear tetrahedron.
 Eigen::Matrix4d stiffness(const LeafletMesh& mesh, const std::array<int, 10>& tet) {
   Mat3 edges;
-  for (int i = 0; i < 3; ++i) edges.col(i) = mesh.points[at(tet[at(i + 1)])] - mesh.points[at(tet[0])];
+  for (int i = 0; i < 3; ++i)
+    edges.col(i) = mesh.points[at(tet[at(i + 1)])] - mesh.points[at(tet[0])];
   Eigen::Matrix<double, 3, 4> gradients;
   gradients.rightCols<3>() = edges.inverse().transpose();
   gradients.col(0) = -gradients.rightCols<3>().rowwise().sum();
@@ -120,11 +127,14 @@ std::vector<Complex> fix_given(const Domain& d, const std::vector<GivenDirection
   is_given.assign(d.frames.size(), 0);
   for (const GivenDirection& g : given) {
     const int local = g.node >= 0 && at(g.node) < d.local_of_node.size() ? d.local_of_node[at(g.node)] : -1;
-    if (local < 0) throw InputError("fibers: a direction is given at node " + std::to_string(g.node) + ", which belongs to none of the elements");
+    if (local < 0)
+      throw InputError("fibers: a direction is given at node " + std::to_string(g.node) +
+                       ", which belongs to none of the elements");
     const Frame& f = d.frames[at(local)];
     const Vec3 tangent = g.direction - f.normal * f.normal.dot(g.direction);
     if (!g.direction.allFinite() || !(tangent.norm() > smallest_tangent * g.direction.norm()))
-      throw InputError("fibers: the direction given at node " + std::to_string(g.node) + " vanishes in the leaflet's tangent plane");
+      throw InputError("fibers: the direction given at node " + std::to_string(g.node) +
+                       " vanishes in the leaflet's tangent plane");
     z[at(local)] += g.weight * to_complex(f, tangent);
     weight[at(local)] += g.weight;
   }
@@ -141,7 +151,8 @@ std::vector<Complex> fix_given(const Domain& d, const std::vector<GivenDirection
   return z;
 }
 
-void solve_free(const LeafletMesh& mesh, const std::vector<int>& elements, const Domain& d, const std::vector<char>& is_given, std::vector<Complex>& z) {
+void solve_free(const LeafletMesh& mesh, const std::vector<int>& elements, const Domain& d, const std::vector<char>& is_given,
+                std::vector<Complex>& z) {
   std::vector<int> unknown(z.size(), -1);
   int count = 0;
   for (std::size_t i = 0; i < z.size(); ++i)
@@ -170,7 +181,8 @@ void solve_free(const LeafletMesh& mesh, const std::vector<int>& elements, const
   Eigen::SparseMatrix<Complex> matrix(count, count);
   matrix.setFromTriplets(entries.begin(), entries.end());
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<Complex>> solver(matrix);
-  if (solver.info() != Eigen::Success) throw InputError("fibers: the diffusion system is singular; check the leaflet mesh for degenerate elements");
+  if (solver.info() != Eigen::Success)
+    throw InputError("fibers: the diffusion system is singular; check the leaflet mesh for degenerate elements");
   const Eigen::VectorXcd solution = solver.solve(rhs);
   if (!solution.allFinite() || (matrix * solution - rhs).norm() > 1e-8 * (rhs.norm() + 1e-300))
     throw InputError("fibers: the diffusion system could not be solved; check the leaflet mesh for degenerate elements");
@@ -180,7 +192,8 @@ void solve_free(const LeafletMesh& mesh, const std::vector<int>& elements, const
 
 }  // namespace
 
-NematicField diffuse_directions(const LeafletMesh& mesh, const std::vector<int>& elements, const std::vector<GivenDirection>& given) {
+NematicField diffuse_directions(const LeafletMesh& mesh, const std::vector<int>& elements,
+                                const std::vector<GivenDirection>& given) {
   const Domain d = make_domain(mesh, elements);
   std::vector<char> is_given;
   std::vector<Complex> z = fix_given(d, given, is_given);
@@ -189,7 +202,8 @@ NematicField diffuse_directions(const LeafletMesh& mesh, const std::vector<int>&
   for (std::size_t e = 0; e < elements.size(); ++e) {
     const Frame& frame = d.element_frames[e];
     Complex mean = 0;
-    for (int c : d.corners[e]) mean += 0.25 * transport(d.frames[at(c)], frame) * z[at(c)];
+    for (int c : d.corners[e])
+      mean += 0.25 * transport(d.frames[at(c)], frame) * z[at(c)];
     field.directions.push_back(to_direction(frame, mean));
     field.order.push_back(std::abs(mean));
     field.order_min = std::min(field.order_min, field.order.back());

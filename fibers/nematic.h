@@ -3,13 +3,13 @@
 
 // Diffusion of a direction without sign over the tetrahedra of a leaflet.
 //
-// At node i with tangent frame (a_i, b_i), orthogonal to the averaged sheet normal, a direction at angle phi is the complex number
-// z_i = exp(2 i phi), the same for +f and -f. Unknown nodes minimise
+// At node i with tangent frame (a_i, b_i), orthogonal to the averaged sheet normal, a direction at angle phi is the complex
+// number z_i = exp(2 i phi), the same for +f and -f. Unknown nodes minimise
 //   sum over edges  k_ij | z_i - r_ij z_j |^2,    k_ij = - integral grad N_i . grad N_j dV   (linear tetrahedra)
-// where r_ij = exp(2 i rho_ij) carries z_j from frame j to frame i by the smallest rotation between the two normals (parallel transport). On a
-// flat or developable patch this is the Laplace equation for z in the unrolled plane, second order in the mesh size. The real symmetric system is solved by
-// Eigen's SimplicialLDLT. |z| <= 1 up to the failure of the discrete maximum principle at obtuse angles; |z| near 0 marks a place where the given
-// directions contradict each other.
+// where r_ij = exp(2 i rho_ij) carries z_j from frame j to frame i by the smallest rotation between the two normals (parallel
+// transport). On a flat or developable patch this is the Laplace equation for z in the unrolled plane, second order in the mesh
+// size. The Hermitian system is solved by Eigen's SimplicialLDLT. |z| <= 1 up to the failure of the discrete maximum
+// principle at obtuse angles; |z| near 0 marks a place where the given directions contradict each other.
 
 #include <vector>
 
@@ -24,13 +24,15 @@ struct GivenDirection {
 };
 
 struct NematicField {
-  std::vector<Vec3> directions;   // unit, tangent to the element's sheet normal; one per entry of `elements`
-  std::vector<double> order;      // |z| of each: 1 where neighbours agree, 0 where undefined
+  std::vector<Vec3> directions;  // unit, tangent to the element's sheet normal; one per entry of `elements`
+  std::vector<double> order;     // |z| of each: 1 where neighbours agree, 0 where undefined
   double order_min = 1;
 };
 
-/// `elements`: indices of the tetrahedra (one leaflet, or a part of it) that the field lives on; uses corner nodes. `given`: at least one
-/// entry on a node of every connected part. Throws InputError when none is given, a direction vanishes in the tangent plane, or the system is singular.
-NematicField diffuse_directions(const LeafletMesh& mesh, const std::vector<int>& elements, const std::vector<GivenDirection>& given);
+/// `elements`: indices of the tetrahedra (one leaflet, or a part of it) that the field lives on; uses corner nodes. `given`: at
+/// least one entry on a node of every connected part. Throws InputError when none is given, a direction vanishes in the tangent
+/// plane, or the system is singular.
+NematicField diffuse_directions(const LeafletMesh& mesh, const std::vector<int>& elements,
+                                const std::vector<GivenDirection>& given);
 
 }  // namespace mv

@@ -17,7 +17,7 @@ std::string quoted(const std::string& text) {
   return value_text(plain, ConfigValue(text));
 }
 
-void create_directory(const std::filesystem::path& directory) {
+void make_directory(const std::filesystem::path& directory) {
   std::error_code failure;
   std::filesystem::create_directories(directory, failure);
   if (failure || !std::filesystem::is_directory(directory)) {
@@ -46,9 +46,9 @@ Config set_up_case(const Config& config, const std::filesystem::path& origin, co
   }
   const std::string origin_hash = std::filesystem::exists(origin) ? sha256_of_file(origin) : "";
 
-  create_directory(case_directory);
+  make_directory(case_directory);
   remove_leftovers(case_directory);
-  if (!copies.empty()) create_directory(case_directory / "inputs");
+  if (!copies.empty()) make_directory(case_directory / "inputs");
   Config resolved = config;
   inputs.clear();
   std::string provenance = "\n[provenance]\nprogram = " + quoted("mvprep " + version()) + "\nrevision = " + quoted(git_revision()) +
@@ -76,7 +76,7 @@ Config read_case_config(const std::filesystem::path& case_directory) {
 
 StageDirectory::StageDirectory(const std::filesystem::path& case_directory, const std::string& stage)
     : case_directory_(case_directory), path_(case_directory / (work_prefix + stage + "-" + std::to_string(::getpid()))) {
-  create_directory(path_);
+  make_directory(path_);
 }
 
 StageDirectory::~StageDirectory() {

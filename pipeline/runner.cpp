@@ -21,14 +21,27 @@ void remove_outputs(const Stage& stage, const std::filesystem::path& case_direct
   for (const std::string& file : stage.outputs) std::filesystem::remove(case_directory / file, ignored);
 }
 
-/// Runs the stage in a directory of its own and takes its files into the case.
+/// Records of later stages that complete a file this stage has just begun anew.
+void forget_completions(const Stage& stage, Manifest& manifest) {
+  bool is_later = false;
+  for (const Stage& other : stage_table()) {
+    const bool shares = std::any_of(other.outputs.begin(), other.outputs.end(), [&](const std::string& file) {
+      return std::find(stage.outputs.begin(), stage.outputs.end(), file) != stage.outputs.end();
+    });
+    if (is_later && shares) manifest.stages.erase(other.name);
+    is_later = is_later || other.name == stage.name;
+  }
+}
+
+/// Runs the stage in a directory of its own and takes its files into the case. Without `is_repeatable` the record says that it can never
+/// be skipped.
 void execute(const Stage& stage, const Config& config, const std::filesystem::path& case_directory, Manifest& manifest,
-             const OnStage& on_stage) {
+             const OnStage& on_stage, bool is_repeatable = true) {
   spdlog::debug("stage {}: {}", stage.name, stage.help);
   const auto start = std::chrono::steady_clock::now();
   StageDirectory work(case_directory, stage.name);
   StageRecord record;
-  record.key = stage_key(stage, config, manifest);
+  if (is_repeatable) record.key = stage_key(stage, config, manifest);
   std::string result;
   try {
     result = stage.run({config, case_directory, work.path()});
@@ -37,6 +50,7 @@ void execute(const Stage& stage, const Config& config, const std::filesystem::pa
     throw;
   }
   record.outputs = work.publish(stage.outputs);
+  forget_completions(stage, manifest);
   manifest.stages[stage.name] = record;
   write_manifest(case_directory, manifest, config);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -86,10 +100,11 @@ std::vector<std::string> run_one_stage(const std::string& name, const Config& co
       }
     }
   }
-  // Files changed by hand are what this stage now starts from; the record must not claim that it started from something else.
+  bool is_edited = false;
   for (const std::string& need : stage.needs) {
     for (const std::string& file : changed_outputs(find_stage(need), manifest, case_directory)) {
       spdlog::warn("{} was changed since mvprep wrote it; stage {} uses it as it is", file, stage.name);
+      is_edited = true;
     }
   }
   remove_leftovers(case_directory);
@@ -99,7 +114,7 @@ std::vector<std::string> run_one_stage(const std::string& name, const Config& co
     std::filesystem::remove(case_directory / quality_file, ignored);  // its verdict was about something else
   }
   try {
-    execute(stage, config, case_directory, manifest, on_stage);
+    execute(stage, config, case_directory, manifest, on_stage, !is_edited);
   } catch (...) {
     manifest.stages.erase(name);
     write_manifest(case_directory, manifest, config);

@@ -30,7 +30,7 @@ const std::vector<Stage>& stage_table() {
       {"tube", "blood tube and fluid grid",
        {"tube"}, {"generic", "annulus", "mesh"}, {"tube.vtu"}, run_tube_stage},
       {"gates", "checks of everything",
-       {"gates", "mesh.layers", "fibers.model", "fluid.enabled", "tube.spacing"}, {"generic", "annulus", "mesh", "chordae", "fibers", "tube"},
+       {"gates", "mesh.layers", "fibers.model", "fluid.enabled", "tube.spacing", "tube.contain_tips"}, {"generic", "annulus", "mesh", "chordae", "fibers", "tube"},
        {"quality.json"}, run_gates_stage},
   };
   // clang-format on

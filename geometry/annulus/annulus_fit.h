@@ -54,7 +54,7 @@ struct AnnulusMetrics {
   double sphericity = 0;           // ap_diameter / al_pm_diameter
   double height = 0;               // mm, extent along the normal
   double area_2d = 0;              // mm2, of the projection
-  double area_3d = 0;              // mm2, of the minimal (soap film) surface spanned by the curve
+  double area_3d = 0;              // mm2, of the soap-film-like surface spanned by the curve (harmonic height; slightly above the minimal area)
   double height_to_al_pm = 0;      // annulus height / commissural width
 };
 AnnulusMetrics measure_annulus(const Annulus& annulus, const Vec3& anterior_direction);

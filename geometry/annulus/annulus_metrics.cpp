@@ -30,9 +30,8 @@ std::pair<Vec3, Vec3> crossing(const ClosedCurve& curve, const Vec3& origin, con
 
 double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * (b - a).cross(c - a).norm(); }
 
-/// Area of the minimal surface spanned by the curve: polar grid whose inner points move to their cotangent-free harmonic mean with
-/// weights 1/edge^2 of the polar grid; for a height of the curve of up to a third of its radius the harmonic graph and the minimal surface differ
-/// in area by less than 0.5 %, and a plane curve is exact.
+/// Area of the surface whose height continues the rim's harmonically into the disc (rings scaled towards the centre): exact for a plane curve,
+/// elsewhere an upper bound of the minimal surface, above it by the order (height / radius)^4.
 double soap_film_area(const ClosedCurve& curve, const Vec3& origin, const Vec3& normal) {
   std::vector<Vec3> rim = curve.resampled(rim_points);
   std::vector<double> height(rim_points);

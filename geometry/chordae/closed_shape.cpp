@@ -16,7 +16,8 @@ ClosedShape::ClosedShape(const LeafletChart& chart, const Vec3& normal, double c
   }
   share_ = height_anterior / (height_anterior + height_posterior);
   for (const auto& j : chart.junctions())
-    if (j.is_commissure) (j.border_index == 0 ? u_first_ : u_second_) = chart.border()[static_cast<std::size_t>(j.border_index)].uv.x();
+    if (j.is_commissure)
+      (j.border_index == 0 ? u_first_ : u_second_) = chart.border()[static_cast<std::size_t>(j.border_index)].uv.x();
 }
 
 bool ClosedShape::is_anterior(double u) const {

@@ -26,9 +26,11 @@ struct End {
 struct Chorda {
   ChordaKind kind;
   std::vector<End> ends;  // two when bifurcated
+  bool is_at_junction = false;
 };
 
-// Border arc lengths of the primaries: one at each junction, the others one after another to the arcs whose chordae are furthest apart.
+// Border arc lengths of the primaries: one at each junction, the others one after another to the arcs whose chordae are furthest
+// apart.
 std::vector<double> primary_arcs(const LeafletChart& chart, int count) {
   const auto& junctions = chart.junctions();
   const int arcs = static_cast<int>(junctions.size());
@@ -42,7 +44,8 @@ std::vector<double> primary_arcs(const LeafletChart& chart, int count) {
     const double end = k + 1 < arcs ? chart.border()[at(junctions[at(k + 1)].border_index)].arc : chart.border_length();
     length.push_back(end - begin.back());
   }
-  // Mirror images within a leaflet get their chordae together, so that the valve stays symmetric; a single one left goes to a middle arc.
+  // Mirror images within a leaflet get their chordae together, so that the valve stays symmetric; a single one left goes to a
+  // middle arc.
   struct Unit {
     std::vector<int> members;
     double length;
@@ -54,8 +57,10 @@ std::vector<double> primary_arcs(const LeafletChart& chart, int count) {
   commissures.push_back(arcs);
   for (std::size_t c = 0; c + 1 < commissures.size(); ++c)
     for (int low = commissures[c], high = commissures[c + 1] - 1; low <= high; ++low, --high) {
-      if (low == high) units.push_back({{low}, length[at(low)]});
-      else units.push_back({{low, high}, 0.5 * (length[at(low)] + length[at(high)])});
+      if (low == high)
+        units.push_back({{low}, length[at(low)]});
+      else
+        units.push_back({{low, high}, 0.5 * (length[at(low)] + length[at(high)])});
     }
   std::vector<int> inner(at(arcs), 0);
   for (int left = count - arcs; left > 0;) {
@@ -72,12 +77,14 @@ std::vector<double> primary_arcs(const LeafletChart& chart, int count) {
       ++inner[at(units[0].members[0])];
       break;
     }
-    for (int k : best->members) ++inner[at(k)];
+    for (int k : best->members)
+      ++inner[at(k)];
     left -= static_cast<int>(best->members.size());
   }
   std::vector<double> sites;
   for (int k = 0; k < arcs; ++k)
-    for (int i = 0; i <= inner[at(k)]; ++i) sites.push_back(begin[at(k)] + length[at(k)] * i / (inner[at(k)] + 1));
+    for (int i = 0; i <= inner[at(k)]; ++i)
+      sites.push_back(begin[at(k)] + length[at(k)] * i / (inner[at(k)] + 1));
   return sites;
 }
 
@@ -85,7 +92,8 @@ std::vector<double> primary_arcs(const LeafletChart& chart, int count) {
 End border_end(const LeafletChart& chart, double arc, double radius_scale, const ChordaeOptions& options) {
   End end;
   end.centre_uv = chart.border_uv(arc);
-  end.radius = radius_scale * options.radius.value_or(influence_radius(chart.border_length(), options.primary, end.centre_uv.y()));
+  end.radius =
+      radius_scale * options.radius.value_or(influence_radius(chart.border_length(), options.primary, end.centre_uv.y()));
   const double step = 0.25 * end.radius;
   Vec2 after = chart.border_uv(arc + step), before = chart.border_uv(arc - step);
   after.x() += chart.period() * std::round((end.centre_uv.x() - after.x()) / chart.period());
@@ -99,8 +107,11 @@ std::vector<Chorda> place_primaries(const LeafletChart& chart, const ChordaeOpti
   const std::vector<double> arcs = primary_arcs(chart, options.primary);
   std::vector<Chorda> placed;
   const double share = chart.border_length() / std::max(options.primary, 1);
+  std::set<double> junctions;
+  for (const auto& j : chart.junctions())
+    junctions.insert(chart.border()[at(j.border_index)].arc);
   for (double arc : arcs) {
-    Chorda c{ChordaKind::primary, {}};
+    Chorda c{ChordaKind::primary, {}, junctions.count(arc) > 0};
     if (options.bifurcated) {
       c.ends = {border_end(chart, arc - 0.25 * share, 0.5, options), border_end(chart, arc + 0.25 * share, 0.5, options)};
     } else {
@@ -122,7 +133,7 @@ std::vector<Chorda> place_secondaries(const LeafletChart& chart, const ClosedSha
   const double width = closed.commissure_u(1) - closed.commissure_u(0), middle = closed.commissure_u(0) + 0.5 * width;
   for (int i = 0; i < in_anterior; ++i) {
     const double offset = in_anterior == 1 ? 0.0 : (i == 0 ? -1.0 : 1.0) * options.strut_spread * width;
-    placed.push_back({ChordaKind::secondary, {belly_end(chart, middle + offset, options.strut_height, options)}});
+    placed.push_back({ChordaKind::secondary, {belly_end(chart, middle + offset, options.strut_height, options)}, false});
   }
   std::vector<double> cuts;  // u of the junctions along the posterior leaflet
   for (const auto& j : chart.junctions())
@@ -143,7 +154,7 @@ std::vector<Chorda> place_secondaries(const LeafletChart& chart, const ClosedSha
   for (int k = 0; k < scallops; ++k)
     for (int i = 0; i < count[at(k)]; ++i) {
       const double u = cuts[at(k)] + (cuts[at(k + 1)] - cuts[at(k)]) * (i + 0.5) / count[at(k)];
-      placed.push_back({ChordaKind::secondary, {belly_end(chart, u, options.posterior_height, options)}});
+      placed.push_back({ChordaKind::secondary, {belly_end(chart, u, options.posterior_height, options)}, false});
     }
   return placed;
 }
@@ -153,12 +164,15 @@ std::vector<int> halves_of_tips(const LeafletChart& chart, const ClosedShape& cl
   const Vec3 first = chart.at({closed.commissure_u(0), 0}).position, second = chart.at({closed.commissure_u(1), 0}).position;
   const Vec3 axis = (second - first).normalized();
   std::vector<double> along;
-  for (const Vec3& tip : papillary.tips) along.push_back((tip - first).dot(axis));
+  for (const Vec3& tip : papillary.tips)
+    along.push_back((tip - first).dot(axis));
   const double middle = 0.5 * (*std::min_element(along.begin(), along.end()) + *std::max_element(along.begin(), along.end()));
   std::vector<int> half;
-  for (double a : along) half.push_back(a > middle ? 1 : 0);
+  for (double a : along)
+    half.push_back(a > middle ? 1 : 0);
   if (*std::max_element(along.begin(), along.end()) - *std::min_element(along.begin(), along.end()) < 1e-3)
-    throw InputError("chordae: the papillary tips do not lie on different sides of the valve (along the line between the commissures)");
+    throw InputError(
+        "chordae: the papillary tips do not lie on different sides of the valve (along the line between the commissures)");
   return half;
 }
 
@@ -173,8 +187,14 @@ int nearest_tip(const Papillary& papillary, const std::vector<int>& half_of_tip,
 // Adds points, segments and insertions of one chorda after another.
 class Builder {
  public:
-  Builder(const LeafletMesh& mesh, const LeafletChart& chart, const ClosedShape& closed, const Papillary& papillary, const ChordaeOptions& options)
-      : graph_(mesh), chart_(chart), closed_(closed), papillary_(papillary), options_(options), half_of_tip_(halves_of_tips(chart, closed, papillary)) {}
+  Builder(const LeafletMesh& mesh, const LeafletChart& chart, const ClosedShape& closed, const Papillary& papillary,
+          const ChordaeOptions& options)
+      : graph_(mesh),
+        chart_(chart),
+        closed_(closed),
+        papillary_(papillary),
+        options_(options),
+        half_of_tip_(halves_of_tips(chart, closed, papillary)) {}
 
   void add(const Chorda& chorda) {
     std::vector<int> ends;
@@ -183,14 +203,14 @@ class Builder {
       ends.push_back(add_end(e));
       places.push_back(closed_.at(e.end_uv));
     }
-    const Vec2 uv = chorda.ends.size() == 1 ? chorda.ends[0].end_uv : Vec2(0.5 * (chorda.ends[0].end_uv + chorda.ends[1].end_uv));
     const Vec3 place = places.size() == 1 ? places[0] : Vec3(0.5 * (places[0] + places[1]));
-    const double s = closed_.fraction(chorda.ends.size() == 1 ? uv.x() : middle_u(chorda));
+    const double s = closed_.fraction(chorda.ends.size() == 1 ? chorda.ends[0].end_uv.x() : middle_u(chorda));
     std::vector<int> sides{s > 0.5 ? 1 : 0};
     if (std::abs(s - 0.5) < options_.midline_band) sides = {0, 1};
     for (int side : sides) {
       const int tip = nearest_tip(papillary_, half_of_tip_, side, place);
-      const double area = (chorda.kind == ChordaKind::primary ? options_.area_primary : options_.area_secondary) / static_cast<double>(sides.size());
+      const double whole_area = chorda.kind == ChordaKind::primary ? options_.area_primary : options_.area_secondary;
+      const double area = whole_area / static_cast<double>(sides.size());
       if (ends.size() == 1) {
         add_segment(root(tip), ends[0], chorda, 0, tip, area, papillary_.tips[at(tip)], places[0]);
       } else {
@@ -221,19 +241,21 @@ class Builder {
     return it->second;
   }
 
-  // The asked place is kept along the leaflet; through the thickness the end stays at the centroid of the sphere, which on a curved leaflet lies off the
-  // mid-surface, so that the correction does not favour one face.
+  // The asked place is kept along the leaflet; through the thickness the end stays at the centroid of the sphere, which on a
+  // curved leaflet lies off the mid-surface, so that the correction does not favour one face.
   int add_end(const End& e) {
     const auto centre = chart_.at(e.centre_uv), place = chart_.at(e.end_uv);
     const InfluenceSphere plain = influence_sphere(graph_, centre.position, e.radius);
     const Vec3 end = place.position + place.normal * place.normal.dot(plain.end - place.position);
     const InfluenceSphere sphere = influence_sphere(graph_, centre.position, e.radius, end);
     const int point = add_point(sphere.end, -1);
-    for (const auto& [node, weight] : sphere.weights) out_.insertions.push_back({point, node, weight});
+    for (const auto& [node, weight] : sphere.weights)
+      out_.insertions.push_back({point, node, weight});
     return point;
   }
 
-  void add_segment(int a, int b, const Chorda& chorda, std::size_t end, int tip, double area, const Vec3& closed_a, const Vec3& closed_b) {
+  void add_segment(int a, int b, const Chorda& chorda, std::size_t end, int tip, double area, const Vec3& closed_a,
+                   const Vec3& closed_b) {
     ChordaSegment s;
     s.a = a;
     s.b = b;
@@ -242,7 +264,8 @@ class Builder {
     s.leaflet = closed_.is_anterior(chorda.ends[end].end_uv.x()) ? anterior : posterior;
     s.area = area;
     const double initial = (out_.points[at(a)] - out_.points[at(b)]).norm();
-    s.rest_length = std::max(options_.slack * (closed_a - closed_b).norm(), initial);
+    const double slack = options_.slack * (chorda.is_at_junction ? options_.junction_slack : 1.0);
+    s.rest_length = std::max(slack * (closed_a - closed_b).norm(), initial);
     out_.segments.push_back(s);
   }
 
@@ -268,19 +291,25 @@ class Builder {
 
 }  // namespace
 
-Chordae generic_chordae(const LeafletMesh& mesh, const Annulus& annulus, const Papillary& papillary, const ChordaeOptions& options) {
-  if (options.primary < 0 || options.secondary < 0) throw ConfigError("chordae.primary and chordae.secondary must not be negative");
-  if (!(options.slack > 0)) throw ConfigError("chordae.slack must be positive, got " + std::to_string(options.slack));
-  if (papillary.tips.size() < 2) throw InputError("chordae: two papillary tips are needed, got " + std::to_string(papillary.tips.size()));
+Chordae generic_chordae(const LeafletMesh& mesh, const Annulus& annulus, const Papillary& papillary,
+                        const ChordaeOptions& options) {
+  if (options.primary < 0 || options.secondary < 0)
+    throw ConfigError("chordae.primary and chordae.secondary must not be negative");
+  if (!(options.slack > 0) || !(options.junction_slack > 0))
+    throw ConfigError("chordae: slack and junction_slack must be positive, got " + std::to_string(options.slack) + " and " +
+                      std::to_string(options.junction_slack));
+  if (papillary.tips.size() < 2)
+    throw InputError("chordae: two papillary tips are needed, got " + std::to_string(papillary.tips.size()));
   const LeafletChart chart(mesh);
   const ClosedShape closed(chart, annulus.normal, options.coaptation_depth);
   std::vector<Chorda> chordae = place_primaries(chart, options);
-  for (Chorda& c : place_secondaries(chart, closed, options)) chordae.push_back(std::move(c));
+  for (Chorda& c : place_secondaries(chart, closed, options))
+    chordae.push_back(std::move(c));
   const std::set<int> removed(options.removed.begin(), options.removed.end());
   for (int index : removed)
     if (index < 0 || at(index) >= chordae.size())
-      throw ConfigError("chordae.removed: " + std::to_string(index) + " is not one of the " + std::to_string(chordae.size()) + " chordae (0 to " +
-                        std::to_string(static_cast<int>(chordae.size()) - 1) + ")");
+      throw ConfigError("chordae.removed: " + std::to_string(index) + " is not one of the " + std::to_string(chordae.size()) +
+                        " chordae (0 to " + std::to_string(static_cast<int>(chordae.size()) - 1) + ")");
   Builder builder(mesh, chart, closed, papillary, options);
   for (std::size_t k = 0; k < chordae.size(); ++k)
     if (!removed.count(static_cast<int>(k))) builder.add(chordae[k]);
@@ -291,7 +320,8 @@ double largest_border_gap(const LeafletChart& chart, const Chordae& chordae) {
   std::set<int> ends;
   for (const ChordaSegment& s : chordae.segments)
     if (s.kind == ChordaKind::primary) ends.insert(s.b);
-  for (const ChordaSegment& s : chordae.segments) ends.erase(s.a);
+  for (const ChordaSegment& s : chordae.segments)
+    ends.erase(s.a);
   std::vector<double> arcs;
   for (int e : ends) {
     double best = std::numeric_limits<double>::max(), arc = 0;
@@ -305,7 +335,8 @@ double largest_border_gap(const LeafletChart& chart, const Chordae& chordae) {
   if (arcs.empty()) return chart.border_length();
   std::sort(arcs.begin(), arcs.end());
   double gap = arcs.front() + chart.border_length() - arcs.back();
-  for (std::size_t i = 1; i < arcs.size(); ++i) gap = std::max(gap, arcs[i] - arcs[i - 1]);
+  for (std::size_t i = 1; i < arcs.size(); ++i)
+    gap = std::max(gap, arcs[i] - arcs[i - 1]);
   return gap;
 }
 

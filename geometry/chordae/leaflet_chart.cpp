@@ -50,9 +50,11 @@ LeafletChart::LeafletChart(const LeafletMesh& mesh) : points_(mesh.points), unfo
   if (n == 0 || mesh.tets.empty()) throw InputError("chordae: the leaflet mesh is empty; run the mesh stage first");
   if (mesh.unfolded.size() != n || mesh.side.size() != n || mesh.on_annulus.size() != n || mesh.on_free_edge.size() != n ||
       mesh.region.size() != mesh.tets.size())
-    throw InputError("chordae: leaflet arrays unfolded, side, annulus, free_edge and region must be complete; run the mesh stage first");
+    throw InputError(
+        "chordae: leaflet arrays unfolded, side, annulus, free_edge and region must be complete; run the mesh stage first");
   period_ = unfolded_period(mesh);
-  if (!(period_ > 0)) throw InputError("chordae: the leaflets do not form a closed ring (the unfolded coordinate u is not periodic)");
+  if (!(period_ > 0))
+    throw InputError("chordae: the leaflets do not form a closed ring (the unfolded coordinate u is not periodic)");
   atrial_ = side_face(mesh, atrial);
   ventricular_ = side_face(mesh, ventricular);
   if (atrial_.triangles.empty() || ventricular_.triangles.empty())
@@ -95,7 +97,8 @@ LeafletChart::Hit LeafletChart::locate(const Face& face, const Vec2& uv) const {
       best = distance;
       hit.region = face.regions[t];
       hit.position.setZero();
-      for (int i = 0; i < 3; ++i) hit.position += w[i] * points_[at_index(face.triangles[t][at_index(i)])];
+      for (int i = 0; i < 3; ++i)
+        hit.position += w[i] * points_[at_index(face.triangles[t][at_index(i)])];
     }
   }
   return hit;
@@ -127,8 +130,8 @@ void LeafletChart::build_border(const LeafletMesh& mesh) {
   if (links.empty()) throw InputError("chordae: the leaflets have no free border (point array 'free_edge')");
   for (const auto& [point, list] : links)
     if (list.size() != 2)
-      throw InputError("chordae: the free border is not one closed curve: " + std::to_string(list.size()) + " border edges meet at leaflet point " +
-                       std::to_string(point));
+      throw InputError("chordae: the free border is not one closed curve: " + std::to_string(list.size()) +
+                       " border edges meet at leaflet point " + std::to_string(point));
   std::vector<int> loop;
   std::vector<int> region;  // of the edge after each point
   int previous = -1, current = links.begin()->first;
@@ -148,7 +151,8 @@ void LeafletChart::build_border(const LeafletMesh& mesh) {
     const double u = unfolded_[at_index(loop[i])].x();
     turn += nearest_image(unfolded_[at_index(loop[(i + 1) % n])].x(), u, period_) - u;
   }
-  if (std::abs(std::abs(turn) - period_) > 0.5 * period_) throw InputError("chordae: the free border does not run once round the unfolded valve");
+  if (std::abs(std::abs(turn) - period_) > 0.5 * period_)
+    throw InputError("chordae: the free border does not run once round the unfolded valve");
   if (turn < 0) {
     std::reverse(loop.begin(), loop.end());
     std::rotate(region.begin(), region.end() - 1, region.end());
@@ -162,8 +166,8 @@ void LeafletChart::build_border(const LeafletMesh& mesh) {
     if (before != anterior && region[i] == anterior) first = i;
   }
   if (changes != 2 || first == n)
-    throw InputError("chordae: the free border must pass one anterior and one posterior leaflet, but its region changes " + std::to_string(changes) +
-                     " times");
+    throw InputError("chordae: the free border must pass one anterior and one posterior leaflet, but its region changes " +
+                     std::to_string(changes) + " times");
   std::rotate(loop.begin(), loop.begin() + static_cast<std::ptrdiff_t>(first), loop.end());
   std::rotate(region.begin(), region.begin() + static_cast<std::ptrdiff_t>(first), region.end());
   for (std::size_t i = 0; i < n; ++i) {
@@ -182,17 +186,21 @@ void LeafletChart::find_junctions() {
   const int n = static_cast<int>(border_.size());
   const auto v = [&](int i) { return border_[at_index(i)].uv.y(); };
   int second = 0;
-  while (border_[at_index(second)].region == anterior) ++second;
+  while (border_[at_index(second)].region == anterior)
+    ++second;
   junctions_.push_back({0, true});
   const auto add_notches = [&](int begin, int end) {  // border points begin..end (end may be n, the first point again)
     const auto value = [&](int i) { return v(i % n); };
     double highest = 0;
-    for (int i = begin; i <= end; ++i) highest = std::max(highest, value(i));
+    for (int i = begin; i <= end; ++i)
+      highest = std::max(highest, value(i));
     for (int i = begin + 1; i < end; ++i) {
       double left = value(i), right = value(i);
-      for (int k = i - 1; k >= begin && value(k) >= value(i); --k) left = std::max(left, value(k));
+      for (int k = i - 1; k >= begin && value(k) >= value(i); --k)
+        left = std::max(left, value(k));
       // Of several equal minima in one notch the last counts.
-      for (int k = i + 1; k <= end && value(k) > value(i); ++k) right = std::max(right, value(k));
+      for (int k = i + 1; k <= end && value(k) > value(i); ++k)
+        right = std::max(right, value(k));
       if (std::min(left, right) - value(i) >= notch_prominence * highest) junctions_.push_back({i, false});
     }
   };
@@ -203,7 +211,8 @@ void LeafletChart::find_junctions() {
 
 Vec2 LeafletChart::border_uv(double arc) const {
   arc -= border_length_ * std::floor(arc / border_length_);
-  const auto after = std::upper_bound(border_.begin(), border_.end(), arc, [](double s, const BorderPoint& p) { return s < p.arc; });
+  const auto after =
+      std::upper_bound(border_.begin(), border_.end(), arc, [](double s, const BorderPoint& p) { return s < p.arc; });
   const BorderPoint& a = *(after - 1);
   Vec2 b_uv = border_.front().uv + Vec2(period_, 0);
   double b_arc = border_length_;

@@ -25,8 +25,8 @@ class LeafletChart {
     int region;     // Region of the border after this point
   };
   struct Junction {
-    int border_index;     // index into border()
-    bool is_commissure;   // the leaflets change here; otherwise a notch between two scallops of one leaflet
+    int border_index;    // index into border()
+    bool is_commissure;  // the leaflets change here; otherwise a notch between two scallops of one leaflet
   };
 
   /// Needs a closed ring with one free border and both regions. Throws InputError saying what is missing.
@@ -46,8 +46,8 @@ class LeafletChart {
   /// Largest v of the border at u, mm.
   double height(double u) const;
 
-  /// Commissures and notches in the order of the border; the first is border point 0. A notch is a local minimum of v that lies at least 10 % of
-  /// the leaflet's height below the borders on its two sides.
+  /// Commissures and notches in the order of the border; the first is border point 0. A notch is a local minimum of v that lies
+  /// at least 10 % of the leaflet's height below the borders on its two sides.
   const std::vector<Junction>& junctions() const { return junctions_; }
 
  private:

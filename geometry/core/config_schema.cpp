@@ -36,7 +36,7 @@ const Row rows[] = {
     {"generic.anterior_height", "number", "0.9", "0.05 .. 3", "height of the anterior semicircle over its radius"},
     {"generic.posterior_height", "number", "0.75", "0.05 .. 3", "height of the posterior semicircles over their radius"},
     {"generic.posterior_scallops", "integer", "3", "1 .. 9", "number of posterior semicircles"},
-    {"generic.inward_slope", "number", "0.35", "-1 .. 2", "slope of the cone: inward run over the drop along the leaflet"},
+    {"generic.inward_slope", "number", "0.35", "0 .. 2", "slope of the cone: inward run over the drop along the leaflet"},
     {"generic.annulus", "path", "", "", "CSV of a real annulus (columns x_mm,y_mm,z_mm, ordered, closed); empty for the ellipse"},
     {"generic.papillary", "path", "", "", "CSV of papillary points (columns x_mm,y_mm,z_mm); empty for the two tips below"},
     {"generic.proportional", "flag", "true", "", "scale all lengths of the pattern by the perimeter of the real annulus over the ellipse's"},
@@ -72,6 +72,7 @@ const Row rows[] = {
     {"tube.margin_cells", "integer", "3", "1 .. 50", "grid cells between the tube and the side of the box"},
 
     {"tube.clearance", "length", "0.25 mm", "0 mm .. 20 mm", "gap between the wall and the outermost leaflet point"},
+    {"tube.contain_tips", "flag", "false", "", "widen the tube until the papillary tips lie inside; blood can then pass between annulus and wall"},
     {"tube.harmonics", "integer", "8", "1 .. 100", "Fourier harmonics of the tube's outline"},
 
     {"gates.min_dihedral", "angle", "10 deg", "0 deg .. 60 deg", "smallest dihedral angle a tetrahedron may have"},

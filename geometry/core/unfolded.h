@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// The flat pattern of a ring-shaped valve is periodic in u: one node of an element may lie at u = 0 and its neighbour near u = period.
+// The flat pattern of a ring-shaped valve is periodic in u: one node of an element may lie at u = 0 and its neighbour near u =
+// period.
 
 #include <algorithm>
 #include <cmath>
@@ -12,9 +13,10 @@
 namespace mv {
 
 /// Period of the unfolded coordinate u (mm), or 0 when no element crosses a seam (an open patch, or one leaflet alone).
-/// Elements on the seam are those that span more than half of the whole range of u. On the mid-surface's annulus the pattern keeps
-/// lengths, so the period is the raw jump of the annulus edge on the seam plus that edge's length, averaged over the atrial and the ventricular face
-/// (which lie equally far inside and outside). Without such an edge: the range of u plus the widest edge elsewhere.
+/// Elements on the seam are those that span more than half of the whole range of u. On the mid-surface's annulus the pattern
+/// keeps lengths, so the period is the raw jump of the annulus edge on the seam plus that edge's length, averaged over the atrial
+/// and the ventricular face (which lie equally far inside and outside). Without such an edge: the range of u plus the widest edge
+/// elsewhere.
 inline double unfolded_period(const LeafletMesh& mesh) {
   if (mesh.unfolded.empty()) return 0;
   double u_min = mesh.unfolded[0].x(), u_max = u_min;

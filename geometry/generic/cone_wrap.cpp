@@ -10,9 +10,9 @@ namespace mv {
 namespace {
 
 /// The wall is straight until it has used this share of the distance to the centre ...
-constexpr double straight_share = 0.55;
-/// ... and vertical from here on, so that at least a quarter of every radius stays open.
-constexpr double largest_share = 0.75;
+constexpr double straight_share = 0.5;
+/// ... and vertical from here on, so that at least a third of every radius stays open.
+constexpr double largest_share = 0.65;
 
 Vec3 in_plane(const Vec3& v, const Vec3& normal) { return v - v.dot(normal) * normal; }
 
@@ -59,6 +59,7 @@ ConeWrap::ConeWrap(const Annulus& annulus, const Vec3& anterior_direction, const
     if (a.dot(ahead) > 0 && a.dot(left) <= 0 && b.dot(left) > 0) crossing = h * (i + a.dot(left) / (a.dot(left) - b.dot(left)));
   }
   u_offset_ = crossing - pattern.parameters().anterior_radius;
+  for (int i = 0; i < n; ++i) mean_radius_ += column(i * h).radius / n;
 }
 
 ConeWrap::Column ConeWrap::column(double u) const {
@@ -71,7 +72,8 @@ ConeWrap::Column ConeWrap::column(double u) const {
 }
 
 ConeWrap::Profile ConeWrap::profile(double v, double radius) const {
-  const double cosine = 1 / std::sqrt(1 + slope_ * slope_), sine = slope_ * cosine;
+  const double slope = slope_ * radius / mean_radius_;
+  const double cosine = 1 / std::sqrt(1 + slope * slope), sine = slope * cosine;
   if (sine == 0) return {v, 0, 1, 0};
   const double straight = straight_share * radius / sine;
   if (v <= straight) return {cosine * v, sine * v, cosine, sine};

@@ -55,7 +55,7 @@ GenericValve build_generic_valve(const GenericValveParameters& parameters, doubl
                    valve.scale * parameters.notch_radius};
   const FlatPattern pattern(valve.pattern);
   const ConeWrap wrap(annulus, valve.anterior_direction, pattern, parameters.inward_slope);
-  valve.mid_surface = mesh_pattern(pattern, wrap, spacing, &valve.report);
+  valve.mid_surface = mesh_pattern(pattern, wrap, spacing, parameters.thickness, &valve.report);
   valve.mid_surface.axis = annulus.normal;
   valve.orifice_radius_min = wrap.smallest_orifice_radius();
   return valve;

@@ -30,15 +30,7 @@ SurfaceRemesh::SurfaceRemesh(SurfaceMap map, std::vector<Vec2> uv, std::vector<T
     for (int v : triangles_[t]) star_[at(v)].push_back(static_cast<int>(t));
 }
 
-std::uint64_t SurfaceRemesh::key(int a, int b) {
-  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(std::min(a, b))) << 32) | static_cast<std::uint32_t>(std::max(a, b));
-}
-
-Vec2 SurfaceRemesh::difference(int a, int b) const {
-  Vec2 d = uv_[at(b)] - uv_[at(a)];
-  if (map_.period > 0) d.x() -= map_.period * std::round(d.x() / map_.period);
-  return d;
-}
+Vec2 SurfaceRemesh::difference(int a, int b) const { return uv_[at(b)] - uv_[at(a)]; }
 
 double SurfaceRemesh::area_uv(int a, int b, int c) const {
   const Vec2 ab = difference(a, b), ac = difference(a, c);
@@ -47,8 +39,7 @@ double SurfaceRemesh::area_uv(int a, int b, int c) const {
 
 double SurfaceRemesh::area_uv(int a, int b, const Vec2& p) const {
   const Vec2 ab = difference(a, b);
-  Vec2 ap = p - uv_[at(a)];
-  if (map_.period > 0) ap.x() -= map_.period * std::round(ap.x() / map_.period);
+  const Vec2 ap = p - uv_[at(a)];
   return 0.5 * (ab.x() * ap.y() - ab.y() * ap.x());
 }
 
@@ -131,8 +122,7 @@ std::vector<std::pair<int, int>> SurfaceRemesh::edges() const {
     if (!alive_[t]) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const int a = triangles_[t][k], b = triangles_[t][(k + 1) % 3];
-      if (a > b || fixed_edges_.contains(key(a, b))) continue;   // each interior edge is met once with a < b
-      if (triangles_of(a, b)[1] >= 0) result.emplace_back(a, b);
+      if (a < b && triangles_of(a, b)[1] >= 0) result.emplace_back(a, b);
     }
   }
   return result;
@@ -146,8 +136,7 @@ void SurfaceRemesh::replace(int triangle, int from, int to) {
 void SurfaceRemesh::split(int a, int b) {
   const std::array<int, 2> both = triangles_of(a, b);
   const int m = static_cast<int>(uv_.size());
-  Vec2 middle = uv_[at(a)] + 0.5 * difference(a, b);
-  if (map_.period > 0) middle.x() -= map_.period * std::floor(middle.x() / map_.period);
+  const Vec2 middle = 0.5 * (uv_[at(a)] + uv_[at(b)]);
   uv_.push_back(middle);
   x_.push_back(map_.position(middle));
   fixed_.push_back(0);
@@ -169,14 +158,32 @@ void SurfaceRemesh::split(int a, int b) {
   }
 }
 
-int SurfaceRemesh::split_longer_than(double length) {
-  std::vector<std::pair<int, int>> candidates = edges();
-  std::erase_if(candidates, [&](const auto& e) { return distance(e.first, e.second) <= length; });
-  std::stable_sort(candidates.begin(), candidates.end(), [&](const auto& p, const auto& q) {
-    return distance(p.first, p.second) > distance(q.first, q.second);
-  });
-  for (const auto& [a, b] : candidates) split(a, b);
+double SurfaceRemesh::face_distance(int a, int b) const {
+  auto normal = [&](int i) { return map_.along_u(uv_[at(i)]).cross(map_.along_v(uv_[at(i)])).normalized(); };
+  const Vec3 d = x_[at(b)] - x_[at(a)], turn = map_.half_thickness * (normal(b) - normal(a));
+  return std::max((d + turn).norm(), (d - turn).norm());
+}
+
+int SurfaceRemesh::split_where(const std::function<double(int, int)>& excess) {
+  std::vector<std::pair<double, std::pair<int, int>>> candidates;
+  for (const auto& [a, b] : edges())
+    if (const double e = excess(a, b); e > 0) candidates.push_back({e, {a, b}});
+  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& p, const auto& q) { return p.first > q.first; });
+  for (const auto& [e, edge] : candidates) split(edge.first, edge.second);
   return static_cast<int>(candidates.size());
+}
+
+int SurfaceRemesh::split_longer_than(double length) {
+  return split_where([&](int a, int b) { return distance(a, b) - length; });
+}
+
+int SurfaceRemesh::split_longer_on_faces(double length) {
+  // Offsetting lengthens an edge by at most its share of half the thickness over the radius of curvature; well below, it is not looked at.
+  return split_where([&](int a, int b) { return distance(a, b) > 0.75 * length ? face_distance(a, b) - length : 0.0; });
+}
+
+int SurfaceRemesh::split_border_chords(double length) {
+  return split_where([&](int a, int b) { return fixed_[at(a)] && fixed_[at(b)] ? distance(a, b) - length : 0.0; });
 }
 
 bool SurfaceRemesh::collapse(int a, int b, double longest) {
@@ -242,31 +249,6 @@ bool SurfaceRemesh::flip(int a, int b, int t0, int t1) {
   return true;
 }
 
-int SurfaceRemesh::flip_to_better_valence() {
-  // Degree wanted: 6 inside, 4 on the (nearly straight) border and along fixed columns 6.
-  auto wanted = [&](int v) {
-    std::size_t n = star_[at(v)].size();
-    return neighbours(v).size() == n ? 6 : 4;
-  };
-  int count = 0;
-  for (const auto& [a, b] : edges()) {
-    const std::array<int, 2> both = triangles_of(a, b);
-    if (both[1] < 0) continue;
-    const int c = opposite(both[0], a, b), d = opposite(both[1], a, b);
-    auto deviation = [&](int v, int change) {
-      const int e = static_cast<int>(neighbours(v).size()) + change - wanted(v);
-      return e * e;
-    };
-    const int before = deviation(a, 0) + deviation(b, 0) + deviation(c, 0) + deviation(d, 0);
-    const int after = deviation(a, -1) + deviation(b, -1) + deviation(c, 1) + deviation(d, 1);
-    if (after >= before) continue;
-    const double new_quality = std::min(quality(x_[at(a)], x_[at(c)], x_[at(d)]), quality(x_[at(b)], x_[at(c)], x_[at(d)]));
-    if (new_quality < 0.5) continue;
-    count += flip(a, b, both[0], both[1]);
-  }
-  return count;
-}
-
 int SurfaceRemesh::flip_to_delaunay() {
   int total = 0;
   for (int pass = 0; pass < 50; ++pass) {
@@ -303,10 +285,8 @@ bool SurfaceRemesh::move(int a, const Vec3& target, double relaxation) {
   metric << du.dot(du), du.dot(dv), du.dot(dv), dv.dot(dv);
   const Vec2 shift = metric.inverse() * Vec2(du.dot(step), dv.dot(step));
   for (double factor = relaxation; factor > 0.1 * relaxation; factor *= 0.5) {
-    Vec2 uv = old_uv + factor * shift;
-    if (map_.period > 0) uv.x() -= map_.period * std::floor(uv.x() / map_.period);
-    uv_[at(a)] = uv;
-    x_[at(a)] = map_.position(uv);
+    uv_[at(a)] = old_uv + factor * shift;
+    x_[at(a)] = map_.position(uv_[at(a)]);
     // A move may cost some quality while that is ample: the sum of neighbouring moves gains more than it loses.
     const double after = worst_quality(a);
     if (after > 0 && (after >= before || after > 0.65)) return true;
@@ -316,10 +296,15 @@ bool SurfaceRemesh::move(int a, const Vec3& target, double relaxation) {
   return false;
 }
 
-void SurfaceRemesh::smooth(int sweeps, double relaxation) {
+void SurfaceRemesh::smooth(int sweeps, double relaxation, int first) {
+  std::vector<char> moves(uv_.size(), first == 0);
+  for (int a = first; a < size(); ++a) {
+    moves[at(a)] = 1;
+    for (int b : neighbours(a)) moves[at(b)] = 1;
+  }
   for (int sweep = 0; sweep < sweeps; ++sweep)
-    for (int a = 0; a < static_cast<int>(uv_.size()); ++a) {
-      if (fixed_[at(a)] || star_[at(a)].empty()) continue;
+    for (int a = 0; a < size(); ++a) {
+      if (!moves[at(a)] || fixed_[at(a)] || star_[at(a)].empty()) continue;
       Vec3 centre = Vec3::Zero();
       double area = 0;
       for (int t : star_[at(a)]) {
@@ -348,34 +333,8 @@ void SurfaceRemesh::equalise_edges(int sweeps, double power) {
         centre += w * x_[at(b)];
         sum += w;
       }
-      move(a, centre / sum, 0.6);
+      move(a, centre / sum, 1.5 / (1.5 + power));
     }
-}
-
-int SurfaceRemesh::relax_long_edges(double length, int sweeps) {
-  int remaining = 0;
-  for (int sweep = 0; sweep < sweeps; ++sweep) {
-    remaining = 0;
-    for (const auto& [a, b] : edges()) {
-      const double d = distance(a, b);
-      if (d <= length) continue;
-      ++remaining;
-      const Vec3 direction = (x_[at(b)] - x_[at(a)]) / d;
-      const double excess = d - 0.99 * length;
-      if (!fixed_[at(a)]) move(a, x_[at(a)] + 0.5 * excess * direction, 1.0);
-      if (!fixed_[at(b)]) move(b, x_[at(b)] - 0.5 * excess * direction, 1.0);
-    }
-    if (remaining == 0) break;
-  }
-  return remaining;
-}
-
-double SurfaceRemesh::longest_edge() const {
-  double longest = 0;
-  for (std::size_t t = 0; t < triangles_.size(); ++t)
-    if (alive_[t])
-      for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, distance(triangles_[t][k], triangles_[t][(k + 1) % 3]));
-  return longest;
 }
 
 void SurfaceRemesh::compact() {
@@ -398,7 +357,7 @@ void SurfaceRemesh::compact() {
   star_.assign(uv_.size(), {});
   for (std::size_t t = 0; t < triangles_.size(); ++t)
     for (int v : triangles_[t]) star_[at(v)].push_back(static_cast<int>(t));
-  // Fixed points come first and are never removed, so flags and fixed edges keep their indices.
+  // Fixed points come first and are never removed, so they keep their indices.
   fixed_.resize(uv_.size());
 }
 

@@ -6,61 +6,61 @@
 // here points live in the (u, v) of an exact surface map, so nothing has to be projected back.
 
 #include <array>
-#include <cstdint>
 #include <functional>
-#include <unordered_set>
 #include <vector>
 
 #include "geometry/core/case.h"
 
 namespace mv {
 
-/// Surface map and period of u (0: not periodic).
+/// Surface map of a simply connected piece of (u, v).
 struct SurfaceMap {
   std::function<Vec3(const Vec2&)> position;
   std::function<Vec3(const Vec2&)> along_u;
   std::function<Vec3(const Vec2&)> along_v;
-  double period = 0;
+  double half_thickness = 0;   // the surface will be offset by this to both sides
 };
 
-/// Triangle mesh over (u, v) with its image in space. Fixed points do not move and fixed edges do not flip, split or collapse.
+/// Triangle mesh over (u, v) with its image in space. The border is kept: points given as fixed do not move, border
+/// edges do not flip, split or collapse.
 class SurfaceRemesh {
  public:
   SurfaceRemesh(SurfaceMap map, std::vector<Vec2> uv, std::vector<std::array<int, 3>> triangles, std::vector<char> fixed);
 
-  void fix_edge(int a, int b) { fixed_edges_.insert(key(a, b)); }
-
   /// Inserts a free point into the triangle that holds it; returns false (nothing changed) when it lies outside or on an edge.
   bool insert(const Vec2& uv);
+  int size() const { return static_cast<int>(uv_.size()); }
   int split_longer_than(double length);                       // returns the number of splits
+  /// Splits interior edges that are longer than `length` on either offset face; returns the number of splits.
+  int split_longer_on_faces(double length);
+  int split_border_chords(double length);                     // interior edges between two fixed points
   int collapse_shorter_than(double length, double longest);   // no edge longer than `longest` is made
-  int flip_to_better_valence();
   int flip_to_delaunay();                                     // opposite angles in space sum to more than pi
-  void smooth(int sweeps, double relaxation);                 // towards the area centroid of the surrounding triangles
+  /// Moves free points towards the area centroid of their surrounding triangles: those from index `first` on and their neighbours.
+  void smooth(int sweeps, double relaxation, int first = 0);
   void equalise_edges(int sweeps, double power);              // descends on the sum of edge^(power + 2): shortens the longest edges first
-  int relax_long_edges(double length, int sweeps);            // pulls the ends of longer edges together; returns how many remain
 
   /// Removes dead points and triangles; call once at the end.
   void compact();
   const std::vector<Vec2>& uv() const { return uv_; }
   const std::vector<Vec3>& points() const { return x_; }
   const std::vector<std::array<int, 3>>& triangles() const { return triangles_; }
-  double longest_edge() const;
 
  private:
   using Triangle = std::array<int, 3>;
-  static std::uint64_t key(int a, int b);
-  Vec2 difference(int a, int b) const;                        // uv_b - uv_a with the period removed
+  Vec2 difference(int a, int b) const;                        // uv_b - uv_a
   double area_uv(int a, int b, int c) const;
   double area_uv(int a, int b, const Vec2& p) const;
   int triangle_holding(const Vec2& p) const;
   double cosine_at(int a, int b, int c) const;                // of the angle at a
   double distance(int a, int b) const { return (x_[static_cast<std::size_t>(a)] - x_[static_cast<std::size_t>(b)]).norm(); }
-  std::vector<std::pair<int, int>> edges() const;             // interior, movable edges
+  std::vector<std::pair<int, int>> edges() const;             // interior edges, a < b
   std::array<int, 2> triangles_of(int a, int b) const;        // -1 when absent
   int opposite(int triangle, int a, int b) const;
   std::vector<int> neighbours(int a) const;
   void replace(int triangle, int from, int to);
+  double face_distance(int a, int b) const;
+  int split_where(const std::function<double(int, int)>& excess);
   void split(int a, int b);
   bool collapse(int a, int b, double longest);
   bool flip(int a, int b, int t0, int t1);
@@ -73,7 +73,6 @@ class SurfaceRemesh {
   std::vector<Triangle> triangles_;
   std::vector<char> fixed_, alive_;
   std::vector<std::vector<int>> star_;
-  std::unordered_set<std::uint64_t> fixed_edges_;
   int last_inserted_ = -1;
 };
 

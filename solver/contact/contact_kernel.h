@@ -4,6 +4,7 @@
 // One slave node against one triangle, and the smooth factors that weigh it. Pure functions, no memory.
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/contact/intersection.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "geometry/core/errors.h"
@@ -127,17 +128,18 @@ std::vector<std::pair<int, int>> self_intersections(std::span<const Vec3> points
   const int count = static_cast<int>(triangles.size());
   if (count == 0) return result;
   std::vector<Vec3> low(triangles.size()), high(triangles.size());
-  std::vector<char> degenerate(triangles.size());
+  std::vector<char> degenerate(triangles.size()), finite(triangles.size());
   parallel_for(count, [&](std::ptrdiff_t f) {
     const Corners t = corners_of(points, triangles[f]);
     low[f] = t[0].cwiseMin(t[1]).cwiseMin(t[2]);
     high[f] = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
-    degenerate[f] = t[0].allFinite() && t[1].allFinite() && t[2].allFinite() && projection_axis(t[0], t[1], t[2]) < 0;
+    finite[f] = t[0].allFinite() && t[1].allFinite() && t[2].allFinite();
+    degenerate[f] = finite[f] && projection_axis(t[0], t[1], t[2]) < 0;
   });
   Vec3 lower = low[0], upper = high[0];
   double extent_mean = 0;
   for (int f = 0; f < count; ++f) {
-    if (!low[f].allFinite() || !high[f].allFinite()) throw InputError("self_intersections: triangle " + std::to_string(f) + " has coordinates that are not finite");
+    if (!finite[f]) throw InputError("self_intersections: triangle " + std::to_string(f) + " has coordinates that are not finite");
     lower = lower.cwiseMin(low[f]);
     upper = upper.cwiseMax(high[f]);
     extent_mean += (high[f] - low[f]).maxCoeff() / count;

@@ -4,6 +4,7 @@
 // threads or on when candidates were renewed: triangles without weight contribute nothing, lists are in ascending order.
 #include "solver/contact/self_contact.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -104,7 +105,7 @@ struct SelfContact::Impl {
   std::vector<CornerForces> facet_force;
   std::vector<char> facet_active;
   std::vector<std::vector<Sight>> sights;  // per thread
-  std::vector<double> thread_motion;
+  std::vector<char> moved_too_far;         // per thread
 
   // Per surface node.
   std::vector<double> gap, normal_force, pressure, area, energy, slip_energy, dissipation;
@@ -168,20 +169,18 @@ struct SelfContact::Impl {
 
   bool needs_search(std::span<const double> x) {
     if (!has_candidates || (options.search_every > 0 && steps_since_search >= options.search_every)) return true;
-    thread_motion.assign(static_cast<std::size_t>(thread_count()), 0.0);
+    const double limit = 0.25 * options.skin * options.skin;
+    moved_too_far.assign(static_cast<std::size_t>(thread_count()), 0);
     parallel_ranges(
         surface.node_count(),
         [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
-          double motion = 0;
-          for (std::ptrdiff_t n = begin; n < end; ++n) {
-            const double moved = (at(x, surface.nodes[n]) - at(x_search, static_cast<int>(n))).squaredNorm();
-            motion = moved <= motion ? motion : moved;  // keeps a NaN
-          }
-          thread_motion[thread] = motion;
+          char any = 0;
+          for (std::ptrdiff_t n = begin; n < end; ++n)  // true for a NaN, too: the search then stops the run
+            any |= !((at(x, surface.nodes[n]) - at(x_search, static_cast<int>(n))).squaredNorm() <= limit);
+          moved_too_far[thread] = any;
         },
         4096);
-    const double limit = 0.25 * options.skin * options.skin;
-    return !std::all_of(thread_motion.begin(), thread_motion.end(), [&](double m) { return m <= limit; });
+    return std::any_of(moved_too_far.begin(), moved_too_far.end(), [](char far) { return far != 0; });
   }
 
   void update_candidates(std::span<const double> x) {
@@ -325,7 +324,9 @@ struct SelfContact::Impl {
 
   double current_area(int node) const {
     double sum = 0;
-    for (int r = surface.ring_start[node]; r < surface.ring_start[node + 1]; ++r) sum += area_vectors[surface.ring[r]].norm();
+    for (int r = surface.ring_start[node]; r < surface.ring_start[node + 1]; ++r) {
+      if (surface.triangle_side[surface.ring[r]] == surface.node_side[node]) sum += area_vectors[surface.ring[r]].norm();
+    }
     return sum / 6;
   }
 

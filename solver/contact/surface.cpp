@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/contact/surface.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -90,17 +91,25 @@ void finish(ContactSurface& s, std::span<const double> x) {
   }
   s.reference_area.assign(s.nodes.size(), 0.0);
   s.on_atrial_face.assign(s.nodes.size(), 0);
+  s.node_side.assign(s.nodes.size(), 0);
   s.ring_start.assign(s.nodes.size() + 1, 0);
   double edge_sum = 0;
   for (std::size_t f = 0; f < s.triangles.size(); ++f) {
     auto& t = s.triangles[f];
     for (int& n : t) n = surface_node[n];
-    const double area = 0.5 * (s.reference[t[1]] - s.reference[t[0]]).cross(s.reference[t[2]] - s.reference[t[0]]).norm();
     for (int k = 0; k < 3; ++k) {
-      s.reference_area[t[k]] += area / 3;
+      int& side = s.node_side[t[k]];
+      if (s.triangle_side[f] > 0 || side == 0) side = s.triangle_side[f];
       if (s.triangle_side[f] > 0) s.on_atrial_face[t[k]] = 1;
       ++s.ring_start[static_cast<std::size_t>(t[k]) + 1];
       edge_sum += (s.reference[t[(k + 1) % 3]] - s.reference[t[k]]).norm();
+    }
+  }
+  for (std::size_t f = 0; f < s.triangles.size(); ++f) {
+    const auto& t = s.triangles[f];
+    const double area = 0.5 * (s.reference[t[1]] - s.reference[t[0]]).cross(s.reference[t[2]] - s.reference[t[0]]).norm();
+    for (int n : t) {
+      if (s.triangle_side[f] == s.node_side[n]) s.reference_area[n] += area / 3;
     }
   }
   s.mean_edge = edge_sum / (3.0 * static_cast<double>(s.triangles.size()));
@@ -193,6 +202,7 @@ void current_tributary_areas(const ContactSurface& s, std::span<const double> x,
   parallel_for(s.node_count(), [&](std::ptrdiff_t n) {
     double sum = 0;
     for (int r = s.ring_start[n]; r < s.ring_start[n + 1]; ++r) {
+      if (s.triangle_side[s.ring[r]] != s.node_side[n]) continue;
       const auto& t = s.triangles[s.ring[r]];
       const Vec3 a = point(x, s.nodes[t[0]]);
       sum += (point(x, s.nodes[t[1]]) - a).cross(point(x, s.nodes[t[2]]) - a).norm();

@@ -21,7 +21,9 @@ struct ContactSurface {
   std::vector<int> triangle_side;              // +1 atrial face, -1 ventricular face, 0 rim (mv::Side)
   std::vector<char> on_atrial_face;            // per surface node: belongs to an atrial triangle
   std::vector<Eigen::Vector3d> reference;      // per surface node: rest position
-  std::vector<double> reference_area;          // per surface node: a third of its triangles' rest areas (m2)
+  std::vector<int> node_side;                  // per surface node: +1 if it has an atrial triangle, else -1 if a ventricular one, else 0
+  std::vector<double> reference_area;          // per surface node: a third of the rest areas of its triangles of side node_side (m2), so
+                                               // that nodes along a border do not count the rim to the face
   std::vector<int> ring_start, ring;           // per surface node: its triangles, ring[ring_start[s] .. ring_start[s+1])
   // Edges of the solid (tetrahedra included, when extracted from them) between solid nodes, both directions.
   std::vector<int> edge_start, edge_end;
@@ -43,7 +45,7 @@ ContactSurface extract_contact_surface(std::span<const double> rest_positions, s
 /// A surface from oriented triangles over solid nodes (all of them atrial); for shells and tests. Solid edges are the triangles' edges.
 ContactSurface contact_surface_from_triangles(std::span<const double> rest_positions, std::span<const std::array<int, 3>> triangles);
 
-/// Tributary area of each surface node in the current configuration (m2). `x`: 3 * solid_nodes; `area`: node_count().
+/// Tributary area of each surface node in the current configuration (m2), counted as `reference_area`. `x`: 3 * solid_nodes; `area`: node_count().
 void current_tributary_areas(const ContactSurface& surface, std::span<const double> x, std::span<double> area);
 
 /// Area-weighted outward unit normal of each surface node in the current configuration. `normals`: node_count().

@@ -1,9 +1,64 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/coupling/coupling.h"
 
+#include <cmath>
+
 #include "geometry/core/parallel.h"
 
 namespace mv {
+
+namespace {
+// Shares of the stability limits k dt^2 < 4 / mobility and c dt < 2 / mobility that the holding springs and dampers use.
+constexpr double hold_stiffness = 0.2;
+constexpr double hold_damping = 0.2;
+}  // namespace
+
+Coupling::Coupling(Transfer transfer, double fluid_density, std::vector<double> masses)
+    : transfer_(std::move(transfer)), density_(fluid_density), masses_(std::move(masses)) {}
+
+int Coupling::set_held(std::span<const double> x, std::span<const char> is_fixed) {
+  std::vector<double> positions;
+  for (std::size_t i = 0; i < is_fixed.size(); ++i)
+    if (is_fixed[i]) {
+      held_.push_back(static_cast<int>(i));
+      held_index_.push_back(static_cast<int>(held_index_.size()));
+      positions.insert(positions.end(), x.begin() + static_cast<std::ptrdiff_t>(3 * i), x.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
+    }
+  if (held_.empty()) return 0;
+  held_transfer_ = std::make_unique<Transfer>(transfer_);
+  held_transfer_->bind(positions, held_index_);
+  held_velocity_.assign(positions.size(), 0.0);
+  held_force_.assign(positions.size(), 1.0);
+  // Power iteration on interpolate(spread(.)) / density.
+  FaceField field(transfer_.grid());
+  for (int iteration = 0; iteration < 20; ++iteration) {
+    field.set_zero();
+    held_transfer_->spread(held_force_, field);
+    held_transfer_->interpolate(field, held_velocity_);
+    double squared = 0;
+    for (double v : held_velocity_) squared += v * v;
+    const double norm = std::sqrt(squared);
+    if (iteration > 0) held_mobility_ = norm / density_;
+    if (!(norm > 0)) break;
+    for (std::size_t a = 0; a < held_force_.size(); ++a) held_force_[a] = held_velocity_[a] / norm;
+  }
+  return static_cast<int>(held_.size());
+}
+
+double Coupling::hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density) {
+  if (!held_transfer_ || !(held_mobility_ > 0)) return 0.0;
+  const double spring = hold_stiffness * 4.0 / (held_mobility_ * dt * dt);
+  const double damper = hold_damping * 2.0 / (held_mobility_ * dt);
+  held_transfer_->interpolate(velocity, held_velocity_);
+  double work = 0;
+  for (std::size_t a = 0; a < holding.size(); ++a) {
+    holding[a] -= dt * spring * held_velocity_[a];
+    held_force_[a] = holding[a] - damper * held_velocity_[a];
+    work += dt * held_force_[a] * held_velocity_[a];
+  }
+  held_transfer_->spread(held_force_, force_density);
+  return work;
+}
 
 int Coupling::bind(const CoupledNodes& nodes) {
   active_.clear();

@@ -23,14 +23,22 @@ struct CoupledNodes {
 class Coupling {
  public:
   /// `masses`: per node own mass (kg), used by schemes in which nodes may move on their own.
-  Coupling(Transfer transfer, double fluid_density, std::vector<double> masses)
-      : transfer_(std::move(transfer)), density_(fluid_density), masses_(std::move(masses)) {}
+  Coupling(Transfer transfer, double fluid_density, std::vector<double> masses);
+
+  /// Names the nodes that hold() works on, at the positions x where they stay. Returns how many there are.
+  int set_held(std::span<const double> x, std::span<const char> is_fixed);
 
   /// Sorts the points; must precede the other calls of a step. Returns the number of nodes outside the box.
   int bind(const CoupledNodes& nodes);
 
   /// Adds the forces (N) of nodes that move with the blood to the force density (N/m3).
   void hand_over(std::span<const double> forces, FaceField& force_density) const { transfer_.spread(forces, force_density); }
+
+  /// Nodes held by the annulus keep the blood at rest around them, by integral and proportional control on the blood's velocity U there:
+  ///   F = I - c U,  dI/dt = -k U,
+  /// with k and c as stiff as the step allows: shares of the limits k dt^2 < 4 / mobility and c dt < 2 / mobility, the mobility of the held
+  /// nodes being found once. `holding` (I, N, 3 per held node) is part of the state. Returns the work (J) done on the blood.
+  double hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density);
 
   /// New velocities and positions after the blood has moved; returns the kinetic energy (J) gained by released nodes' own motion being
   /// caught or let go in this step (zero when none is).
@@ -46,6 +54,11 @@ class Coupling {
   double density_;
   std::vector<double> masses_;
   std::vector<int> active_;
+  std::unique_ptr<Transfer> held_transfer_;
+  std::vector<int> held_;             // nodes
+  std::vector<int> held_index_;       // 0, 1, ...: the held nodes' arrays are compact
+  std::vector<double> held_velocity_, held_force_;
+  double held_mobility_ = 0;          // 1/kg
 };
 
 }  // namespace mv

@@ -30,21 +30,21 @@ int paeth(int a, int b, int c) {
 
 /// One row behind its filter byte, with the filter (0 none, 1 left, 2 up, 4 Paeth) whose residuals are smallest in sum.
 std::string filtered_row(const unsigned char* row, const unsigned char* above, int bytes) {
-  std::string best;
+  std::string best, line(static_cast<std::size_t>(bytes) + 1, '\0');
   long best_cost = -1;
   for (int filter : {0, 1, 2, 4}) {
-    std::string line(1, static_cast<char>(filter));
+    line[0] = static_cast<char>(filter);
     long cost = 0;
     for (int i = 0; i < bytes; ++i) {
       const int left = i >= 3 ? row[i - 3] : 0, up = above != nullptr ? above[i] : 0, corner = i >= 3 && above != nullptr ? above[i - 3] : 0;
       const int predicted = filter == 0 ? 0 : filter == 1 ? left : filter == 2 ? up : paeth(left, up, corner);
       const auto residual = static_cast<signed char>(row[i] - predicted);
       cost += std::abs(static_cast<int>(residual));
-      line += static_cast<char>(residual);
+      line[static_cast<std::size_t>(i) + 1] = static_cast<char>(residual);
     }
     if (best_cost < 0 || cost < best_cost) {
       best_cost = cost;
-      best = std::move(line);
+      best = line;
     }
   }
   return best;
@@ -61,7 +61,7 @@ std::string encode_png(const Image& image, double pixels_per_mm) {
   }
   uLongf size = compressBound(static_cast<uLong>(raw.size()));
   std::string packed(size, '\0');
-  if (compress2(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(raw.data()), static_cast<uLong>(raw.size()), 9) != Z_OK)
+  if (compress2(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(raw.data()), static_cast<uLong>(raw.size()), 7) != Z_OK)
     throw std::runtime_error("zlib could not compress a picture");
   packed.resize(size);
 

@@ -189,6 +189,8 @@ ColouredMesh clip(const ColouredMesh& mesh, const Vec3& origin, const Vec3& norm
   out.is_lit = mesh.is_lit;
   out.points = mesh.points;
   out.colours = mesh.colours;
+  out.coat = mesh.coat;
+  out.cover = mesh.cover;
   std::vector<double> distance(mesh.points.size());
   for (std::size_t i = 0; i < distance.size(); ++i) distance[i] = (mesh.points[i] - origin).dot(normal);
   std::map<std::pair<int, int>, int> cut_points;
@@ -198,7 +200,11 @@ ColouredMesh clip(const ColouredMesh& mesh, const Vec3& origin, const Vec3& norm
       const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
       const double s = distance[i] / (distance[i] - distance[j]);
       out.points.push_back((1 - s) * mesh.points[i] + s * mesh.points[j]);
-      out.colours.push_back(static_cast<float>(1 - s) * mesh.colours[i] + static_cast<float>(s) * mesh.colours[j]);
+      const auto t = static_cast<float>(s);
+      out.colours.push_back((1 - t) * mesh.colours[i] + t * mesh.colours[j]);
+      if (mesh.coat.empty()) return at->second;
+      out.coat.push_back((1 - t) * mesh.coat[i] + t * mesh.coat[j]);
+      out.cover.push_back((1 - t) * mesh.cover[i] + t * mesh.cover[j]);
     }
     return at->second;
   };
@@ -245,44 +251,62 @@ void Canvas::draw(const ColouredMesh& mesh) {
   if (mesh.is_lit) normals = corner_normals(mesh);
   const Eigen::Matrix3f turn = view_.cast<float>();
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    std::array<Projected, 3> corners;
-    std::array<Eigen::Vector3f, 3> corner_normal;
-    std::array<Rgb, 3> colours;
+    std::array<Corner, 3> corners;
     for (std::size_t k = 0; k < 3; ++k) {
       const auto p = static_cast<std::size_t>(mesh.triangles[t][k]);
-      corners[k] = projected[p];
-      colours[k] = mesh.colours[p];
-      corner_normal[k] = mesh.is_lit ? Eigen::Vector3f(turn * normals[t][k]) : Eigen::Vector3f(Eigen::Vector3f::Zero());
+      corners[k] = make_corner(mesh, p, projected[p], mesh.is_lit ? Eigen::Vector3f(turn * normals[t][k]) : Eigen::Vector3f(Eigen::Vector3f::Zero()));
     }
-    draw_triangle(corners, corner_normal, colours, mesh.is_lit);
+    draw_triangle(corners);
   }
 }
 
-void Canvas::draw_triangle(const std::array<Projected, 3>& c, const std::array<Eigen::Vector3f, 3>& normals,
-                           const std::array<Rgb, 3>& colours, bool is_lit) {
+Canvas::Corner Canvas::make_corner(const ColouredMesh& mesh, std::size_t point, const Projected& at, const Eigen::Vector3f& normal) {
+  const bool has_coat = !mesh.coat.empty();
+  return {at, normal, mesh.colours[point], has_coat ? mesh.coat[point] : mesh.colours[point], has_coat ? mesh.cover[point] : 0.0f};
+}
+
+double Canvas::half_width() const { return camera_.half_height * width_ / height_; }
+
+void Canvas::draw_over(const ColouredMesh& mesh) {
+  for (const auto& t : mesh.triangles) {
+    std::array<Corner, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto p = static_cast<std::size_t>(t[k]);
+      corners[k] = make_corner(mesh, p,
+                               {static_cast<float>(width_ * samples_ / 2.0 + scale_ * mesh.points[p].x()),
+                                static_cast<float>(height_ * samples_ / 2.0 - scale_ * mesh.points[p].y()), overlay_depth_},
+                               Eigen::Vector3f::Zero());
+    }
+    draw_triangle(corners);
+  }
+}
+
+void Canvas::draw_triangle(const std::array<Corner, 3>& corners) {
+  const auto& [a, b, c] = corners;
   const int columns = width_ * samples_, rows = height_ * samples_;
-  const float area = (c[1].x - c[0].x) * (c[2].y - c[0].y) - (c[2].x - c[0].x) * (c[1].y - c[0].y);
+  const float area = (b.at.x - a.at.x) * (c.at.y - a.at.y) - (c.at.x - a.at.x) * (b.at.y - a.at.y);
   if (area == 0.0f) return;
-  const auto [x_lo, x_hi] = std::minmax({c[0].x, c[1].x, c[2].x});
-  const auto [y_lo, y_hi] = std::minmax({c[0].y, c[1].y, c[2].y});
+  const auto [x_lo, x_hi] = std::minmax({a.at.x, b.at.x, c.at.x});
+  const auto [y_lo, y_hi] = std::minmax({a.at.y, b.at.y, c.at.y});
   if (!(x_hi >= 0 && y_hi >= 0 && x_lo <= static_cast<float>(columns) && y_lo <= static_cast<float>(rows))) return;
+  const bool is_lit = !a.normal.isZero() || !b.normal.isZero() || !c.normal.isZero();
   // samples lie at the middle of their squares
   const int i0 = std::max(0, static_cast<int>(std::ceil(x_lo - 0.5f))), i1 = std::min(columns - 1, static_cast<int>(std::floor(x_hi - 0.5f)));
   const int j0 = std::max(0, static_cast<int>(std::ceil(y_lo - 0.5f))), j1 = std::min(rows - 1, static_cast<int>(std::floor(y_hi - 0.5f)));
   for (int j = j0; j <= j1; ++j)
     for (int i = i0; i <= i1; ++i) {
       const float x = static_cast<float>(i) + 0.5f, y = static_cast<float>(j) + 0.5f;
-      const float w0 = ((c[1].x - x) * (c[2].y - y) - (c[2].x - x) * (c[1].y - y)) / area;
-      const float w1 = ((c[2].x - x) * (c[0].y - y) - (c[0].x - x) * (c[2].y - y)) / area;
+      const float w0 = ((b.at.x - x) * (c.at.y - y) - (c.at.x - x) * (b.at.y - y)) / area;
+      const float w1 = ((c.at.x - x) * (a.at.y - y) - (a.at.x - x) * (c.at.y - y)) / area;
       const float w2 = 1.0f - w0 - w1;
       if (w0 < 0 || w1 < 0 || w2 < 0) continue;
-      const float z = w0 * c[0].depth + w1 * c[1].depth + w2 * c[2].depth;
+      const float z = w0 * a.at.depth + w1 * b.at.depth + w2 * c.at.depth;
       const std::size_t at = static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(i);
-      if (z >= depth_[at]) continue;
+      if (z >= depth_[at] && !is_overlay(z)) continue;
       depth_[at] = z;
-      colour_[at] = w0 * colours[0] + w1 * colours[1] + w2 * colours[2];
-      normal_[at] = is_lit ? Eigen::Vector3f((w0 * normals[0] + w1 * normals[1] + w2 * normals[2]).stableNormalized())
-                           : Eigen::Vector3f(Eigen::Vector3f::Zero());
+      const bool is_coated = w0 * a.cover + w1 * b.cover + w2 * c.cover >= 0.5f;
+      colour_[at] = is_coated ? Rgb(w0 * a.coat + w1 * b.coat + w2 * c.coat) : Rgb(w0 * a.colour + w1 * b.colour + w2 * c.colour);
+      normal_[at] = is_lit ? Eigen::Vector3f((w0 * a.normal + w1 * b.normal + w2 * c.normal).stableNormalized()) : Eigen::Vector3f(Eigen::Vector3f::Zero());
     }
 }
 
@@ -296,7 +320,7 @@ Image Canvas::image(const Finish& finish) const {
     around.resize(count);
     weight.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
-      const bool is_there = depth_[i] != empty_depth;
+      const bool is_there = depth_[i] != empty_depth && !is_overlay(depth_[i]);
       around[i] = is_there ? depth_[i] : 0.0f;
       weight[i] = is_there ? 1.0f : 0.0f;
     }

@@ -44,9 +44,12 @@ struct ColouredMesh {
   std::vector<std::array<int, 3>> triangles;
   std::vector<Rgb> colours;      // per point
   bool is_lit = true;            // false: drawn in its plain colour
+  // A second coat, per point or empty: shown instead of `colours` where the interpolated cover (0 or 1 at points) is at least one half.
+  std::vector<Rgb> coat;
+  std::vector<float> cover;
 };
 
-/// Appends b to a.
+/// Appends b to a; neither may have a second coat.
 void append(ColouredMesh& a, const ColouredMesh& b);
 
 /// Tube around a polyline (joints rounded by spheres), sphere, and flat thick polyline in the plane z = const (for drawings).
@@ -70,6 +73,11 @@ class Canvas {
 
   void draw(const ColouredMesh& mesh);
 
+  /// Lettering and bars over everything else, in plain colours: points are (x to the right, y upwards) mm from the picture's middle
+  /// at the scale of `centre`; z is ignored, later triangles cover earlier ones.
+  void draw_over(const ColouredMesh& mesh);
+  double half_width() const;  // mm
+
   /// Shades what was drawn and averages the samples of each pixel.
   Image image(const Finish& finish = {}) const;
 
@@ -77,9 +85,17 @@ class Canvas {
   struct Projected {
     float x, y, depth;
   };
+  struct Corner {
+    Projected at;
+    Eigen::Vector3f normal;
+    Rgb colour, coat;
+    float cover;
+  };
+  static Corner make_corner(const ColouredMesh& mesh, std::size_t point, const Projected& at, const Eigen::Vector3f& normal);
   Projected project(const Vec3& point) const;
-  void draw_triangle(const std::array<Projected, 3>& corners, const std::array<Eigen::Vector3f, 3>& normals,
-                     const std::array<Rgb, 3>& colours, bool is_lit);
+  static constexpr float overlay_depth_ = -1e30f;      // nearer than anything in a scene
+  static bool is_overlay(float depth) { return depth < 0.5f * overlay_depth_; }
+  void draw_triangle(const std::array<Corner, 3>& corners);
 
   int width_, height_, samples_;   // picture size; samples per pixel and direction
   Rgb background_;

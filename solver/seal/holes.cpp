@@ -14,6 +14,8 @@ namespace {
 enum Label : std::uint8_t { closed = 0, open = 1, atrium = 2, ventricle = 3 };
 
 constexpr std::size_t cut_cells_wanted = 150'000;
+/// Voxels with less room than this share are solid for the cut.
+constexpr float least_share = 0.02f;
 
 /// A dense box of voxels cut out of the grid.
 struct Box {
@@ -143,7 +145,7 @@ class LocalCut {
     spread_from(group);
   }
 
-  Opening solve(const SealOptions& options) const {
+  Opening solve(const SealOptions& options) {
     CutProblem problem = pose();
     std::size_t active = 0;
     for (auto s : problem.state) active += s != cut_empty;
@@ -190,8 +192,10 @@ class LocalCut {
   // Colours of the box: the flooded voxels, and around them what the ball touches, each with the colour of a near flooded voxel.
   void colour(const std::vector<std::uint8_t>& label, double level) {
     colour_.assign(box_.size(), closed);
-    std::vector<int> best(box_.size(), 1 << 30);
-    const double radius = level / grid_.h + 0.5;
+    constexpr int farther = 1 << 20;
+    std::vector<int> best(box_.size(), farther + 1);
+    share_.assign(box_.size(), -1.0f);
+    const double radius = level / grid_.h + 1;
     const int r = static_cast<int>(radius);
     for_each([&](int i, int j, int k) {
       const Voxel v = grid_.at(i, j, k);
@@ -209,6 +213,7 @@ class LocalCut {
             if (d2 > radius * radius || !box_.holds(i + a, j + b, k + c)) continue;
             const std::size_t s = box_.at(i + a, j + b, k + c);
             if (d2 >= best[s] || field_.is_wall(grid_.at(i + a, j + b, k + c))) continue;
+            if (best[s] > farther && share_of(s, i + a, j + b, k + c) < least_share) continue;
             best[s] = d2;
             colour_[s] = own;
           }
@@ -273,17 +278,22 @@ class LocalCut {
     return colour_[s] == colour_[t] || steps_from_[s] == 0 || steps_from_[t] == 0;
   }
 
-  CutProblem pose() const {
+  float share_of(std::size_t s, int i, int j, int k) {
+    if (share_[s] < 0) share_[s] = static_cast<float>(field_.open_fraction(grid_.at(i, j, k)));
+    return share_[s];
+  }
+
+  CutProblem pose() {
     CutProblem problem(box_.n);
-    std::vector<float> share(box_.size(), 0.0f);
+    std::vector<float>& share = share_;
     for_each([&](int i, int j, int k) {
       const std::size_t s = box_.at(i, j, k);
       if (steps_from_[s] < 0) return;
-      share[s] = static_cast<float>(field_.open_fraction(grid_.at(i, j, k)));
+      share_of(s, i, j, k);
       problem.start[s] = colour_[s] == atrium ? 1.0f : 0.0f;
       const bool end = k == 0 || k == grid_.n[2] - 1;
       const bool rim = steps_from_[s] >= steps_;
-      problem.state[s] = share[s] <= 0 ? cut_empty : !(rim || end) ? cut_free : colour_[s] == atrium ? cut_one : cut_zero;
+      problem.state[s] = share[s] < least_share ? cut_empty : !(rim || end) ? cut_free : colour_[s] == atrium ? cut_one : cut_zero;
     });
     for_each([&](int i, int j, int k) {
       const std::size_t s = box_.at(i, j, k);
@@ -312,6 +322,7 @@ class LocalCut {
   Box box_;
   std::vector<std::uint8_t> colour_;
   std::vector<int> steps_from_;
+  std::vector<float> share_;   // open share, -1 where not asked for
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/seal/triangle_set.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -49,7 +50,13 @@ TriangleSet::TriangleSet(std::vector<Vec3> points, std::vector<std::array<int, 3
   normals_.reserve(triangles_.size());
   for (const auto& t : triangles_) {
     const Vec3& a = points_[static_cast<std::size_t>(t[0])];
-    const Vec3 n = (points_[static_cast<std::size_t>(t[1])] - a).cross(points_[static_cast<std::size_t>(t[2])] - a);
+    const Vec3& b = points_[static_cast<std::size_t>(t[1])];
+    const Vec3& c = points_[static_cast<std::size_t>(t[2])];
+    const Vec3 lo = a.cwiseMin(b).cwiseMin(c), hi = a.cwiseMax(b).cwiseMax(c);
+    middles_.push_back(0.5 * (lo + hi));
+    radii_.push_back(std::sqrt(std::max({(a - middles_.back()).squaredNorm(), (b - middles_.back()).squaredNorm(),
+                                         (c - middles_.back()).squaredNorm()})));
+    const Vec3 n = (b - a).cross(c - a);
     const double length = n.norm();
     normals_.push_back(length > 0 ? Vec3(n / length) : Vec3(Vec3::Zero()));
   }
@@ -142,8 +149,9 @@ Vec3 TriangleSet::closest_point(int t, const Vec3& p) const {
   return a + (at_ad / sum) * ab + (at_ab / sum) * ad;
 }
 
-void TriangleSet::within(const Vec3& p, double radius, std::vector<int>& out) const {
-  out.clear();
+void TriangleSet::within(const Vec3& p, double radius, NearTriangles& out) const {
+  out.centre = p;
+  out.items.clear();
   if (empty()) return;
   std::array<int, 3> from, to;
   for (int k = 0; k < 3; ++k) {
@@ -165,20 +173,29 @@ void TriangleSet::within(const Vec3& p, double radius, std::vector<int>& out) co
         const int t = bucket_items_[n];
         if (stamp_[static_cast<std::size_t>(t)] == stamp_now_) continue;
         stamp_[static_cast<std::size_t>(t)] = stamp_now_;
-        const double off = normal(t).dot(p - points_[static_cast<std::size_t>(triangle(t)[0])]);
-        if (off * off <= limit && squared_distance(t, p) <= limit) out.push_back(t);
+        if (is_farther(t, p, radius)) continue;
+        if (const double d2 = squared_distance(t, p); d2 <= limit) out.items.push_back({std::sqrt(d2), t});
       }
     }
-  std::sort(out.begin(), out.end());
+  std::sort(out.items.begin(), out.items.end());
+}
+
+double TriangleSet::distance_to(const NearTriangles& near, const Vec3& p, double cap) const {
+  const double moved = (p - near.centre).norm();
+  double best = cap;
+  for (const auto& [distance, t] : near.items) {
+    if (distance - moved >= best) break;
+    if (!is_farther(t, p, best)) best = std::min(best, std::sqrt(squared_distance(t, p)));
+  }
+  return best;
 }
 
 int TriangleSet::nearest(const Vec3& p) const {
   if (empty()) return -1;
-  std::vector<int> found;
+  NearTriangles found;
   const double farthest = (p.cwiseMax(upper_) - p.cwiseMin(lower_)).norm() * 1.001 + bucket_;
-  for (double radius = bucket_; found.empty(); radius = std::min(2 * radius, farthest)) within(p, radius, found);
-  return *std::min_element(found.begin(), found.end(),
-                           [&](int a, int b) { return squared_distance(a, p) < squared_distance(b, p); });
+  for (double radius = bucket_; found.items.empty(); radius = std::min(2 * radius, farthest)) within(p, radius, found);
+  return found.items.front().triangle;
 }
 
 int TriangleSet::crossing_sign(int t, double x, double y, double& z) const {

@@ -10,6 +10,17 @@
 
 namespace mv::seal {
 
+/// Triangles around a centre, nearest first, so that a search near the centre can stop early.
+struct NearTriangles {
+  struct Item {
+    double distance;
+    int triangle;
+    bool operator<(const Item& o) const { return distance != o.distance ? distance < o.distance : triangle < o.triangle; }
+  };
+  Vec3 centre = Vec3::Zero();
+  std::vector<Item> items;
+};
+
 class TriangleSet {
  public:
   /// Orientation is turned outwards when the enclosed volume is negative. An empty set is allowed.
@@ -25,11 +36,24 @@ class TriangleSet {
   Vec3 closest_point(int t, const Vec3& p) const;
   double squared_distance(int t, const Vec3& p) const { return (closest_point(t, p) - p).squaredNorm(); }
 
+  /// Ball around the triangle's bounding box.
+  const Vec3& middle(int t) const { return middles_[static_cast<std::size_t>(t)]; }
+  double radius(int t) const { return radii_[static_cast<std::size_t>(t)]; }
+
+  /// True when the triangle is certainly further than `limit` from p.
+  bool is_farther(int t, const Vec3& p, double limit) const {
+    const double sum = limit + radius(t);
+    return (p - middle(t)).squaredNorm() > sum * sum;
+  }
+
   /// Unit normal, outwards; zero for a degenerate triangle.
   const Vec3& normal(int t) const { return normals_[static_cast<std::size_t>(t)]; }
 
-  /// Triangles no further than `radius` from `p`, ascending; `out` is overwritten.
-  void within(const Vec3& p, double radius, std::vector<int>& out) const;
+  /// Triangles no further than `radius` from `p`; `out` is overwritten.
+  void within(const Vec3& p, double radius, NearTriangles& out) const;
+
+  /// Distance from p to the nearest of `near`, at most `cap`.
+  double distance_to(const NearTriangles& near, const Vec3& p, double cap) const;
 
   /// Nearest triangle, -1 for an empty set.
   int nearest(const Vec3& p) const;
@@ -53,7 +77,8 @@ class TriangleSet {
 
   std::vector<Vec3> points_;
   std::vector<std::array<int, 3>> triangles_;
-  std::vector<Vec3> normals_;
+  std::vector<Vec3> normals_, middles_;
+  std::vector<double> radii_;
   Vec3 lower_ = Vec3::Zero(), upper_ = Vec3::Zero();
   // space buckets and column buckets, compressed rows
   double bucket_ = 1, column_ = 0.5;

@@ -32,6 +32,7 @@ VoxelField::VoxelField(const SealInput& input, const SealOptions& options, doubl
   const auto size = static_cast<std::size_t>(grid_.size());
   distance_.assign(size, far_away);
   peak_.assign(size, unknown);
+  sampled_.assign(size, unknown);
   if (leaflets_.empty()) return;
   std::vector<int> nearest(size, -1);
   measure_near(exact_mm, nearest);
@@ -78,18 +79,21 @@ void VoxelField::mark_wall(const SealInput& input, const SealOptions& options) {
   const std::vector<Vec3> ring = in_tube_frame(input.annulus, input.tube);
   std::vector<Vec2> flat;
   for (const Vec3& p : ring) flat.push_back(p.head<2>());
-  const auto& section = input.tube.cross_section;
+  const auto& section = section_ = input.tube.cross_section;
+  by_wall_.assign(static_cast<std::size_t>(grid_.n[0]) * static_cast<std::size_t>(grid_.n[1]), 0);
   for (int j = 0; j < grid_.n[1]; ++j)
     for (int i = 0; i < grid_.n[0]; ++i) {
       const Vec2 p = grid_.centre(i, j, 0).head<2>();
       const bool outside = !polygon_contains(section, p);
+      const double to_wall = nearest_on_loop(section, p).distance;
+      by_wall_[static_cast<std::size_t>(grid_.at(i, j, 0))] = to_wall < half_diagonal * grid_.h;
       bool ring_column = false;
       double ring_z = 0;
       if (!outside && !leaflets_.empty()) {
         const NearestOnLoop at = nearest_on_loop(flat, p);
         ring_z = (1 - at.along) * ring[at.edge].z() + at.along * ring[(at.edge + 1) % ring.size()].z();
         ring_column = at.distance <= options.ring_growth_mm || !polygon_contains(flat, p) ||
-                      nearest_on_loop(section, p).distance <= options.ring_growth_mm;
+                      to_wall <= options.ring_growth_mm;
       }
       for (int k = 0; k < grid_.n[2]; ++k) {
         const bool in_zone = ring_column && std::abs(grid_.centre(i, j, k).z() - ring_z) <= options.ring_zone_mm;
@@ -107,8 +111,6 @@ void VoxelField::measure_near(double exact_mm, std::vector<int>& nearest) {
       lo = lo.cwiseMin(leaflets_.points()[static_cast<std::size_t>(i)]);
       hi = hi.cwiseMax(leaflets_.points()[static_cast<std::size_t>(i)]);
     }
-    const Vec3 a = leaflets_.points()[static_cast<std::size_t>(c[0])];
-    const Vec3& normal = leaflets_.normal(t);
     std::array<int, 3> from, to;
     for (int k = 0; k < 3; ++k) {
       const auto s = static_cast<std::size_t>(k);
@@ -122,7 +124,7 @@ void VoxelField::measure_near(double exact_mm, std::vector<int>& nearest) {
           const Vec3 p = grid_.centre(i, j, k);
           const auto v = static_cast<std::size_t>(grid_.at(i, j, k));
           const double best = std::min<double>(distance_[v], exact_mm);
-          if (std::abs(normal.dot(p - a)) > best) continue;
+          if (leaflets_.is_farther(t, p, best)) continue;
           const double d2 = leaflets_.squared_distance(t, p);
           if (d2 > best * best) continue;
           distance_[v] = static_cast<float>(std::sqrt(d2));
@@ -222,17 +224,20 @@ void VoxelField::find_inside() {
 
 // ---- single voxels ----
 
-double VoxelField::distance_to(std::span<const int> near, const Vec3& p, double cap) const {
-  double best = cap * cap;
-  for (int t : near) {
-    const double off = leaflets_.normal(t).dot(p - leaflets_.points()[static_cast<std::size_t>(leaflets_.triangle(t)[0])]);
-    if (off * off < best) best = std::min(best, leaflets_.squared_distance(t, p));
+bool VoxelField::is_wall_at(const Vec3& p) const {
+  std::array<int, 3> c;
+  for (int k = 0; k < 3; ++k) {
+    const auto s = static_cast<std::size_t>(k);
+    c[s] = static_cast<int>(std::floor((p[k] - grid_.lower[k]) / grid_.h));
+    if (c[s] < 0 || c[s] >= grid_.n[s]) return true;
   }
-  return std::sqrt(best);
+  return is_wall(grid_.at(c[0], c[1], c[2]));
 }
 
+bool VoxelField::is_in_section(const Vec3& p) const { return polygon_contains(section_, p.head<2>()); }
+
 // Steps along the 26 directions of a cube, halved when none helps. A step no longer than the clearance cannot end in the solid.
-void VoxelField::climb(std::span<const int> near, const Vec3& centre, double reach, double cap, Best& best) const {
+void VoxelField::climb(const NearTriangles& near, const Vec3& centre, double reach, double cap, bool by_wall, Best& best) const {
   for (double step = reach / 3; step > reach / 30; step *= 0.5) {
     for (bool moved = true; moved;) {
       moved = false;
@@ -242,9 +247,9 @@ void VoxelField::climb(std::span<const int> near, const Vec3& centre, double rea
         const Vec3 direction(d % 3 - 1, d / 3 % 3 - 1, d / 9 - 1);
         Vec3 p = from + step / direction.norm() * direction;
         p = p.cwiseMax((centre.array() - reach).matrix()).cwiseMin((centre.array() + reach).matrix());
-        const double value = distance_to(near, p, cap);
+        const double value = leaflets_.distance_to(near, p, cap);
         if (value <= best.value + 1e-3 * step) continue;
-        if (step > best.value && leaflets_.is_inside(p)) continue;
+        if ((step > best.value && leaflets_.is_inside(p)) || (by_wall && !is_in_section(p))) continue;
         best = {value, p};
         moved = true;
       }
@@ -253,14 +258,14 @@ void VoxelField::climb(std::span<const int> near, const Vec3& centre, double rea
 }
 
 template <class Visit>
-void VoxelField::samples(Voxel v, std::vector<int>& near, Visit&& visit) const {
+void VoxelField::samples(Voxel v, NearTriangles& near, Visit&& visit) const {
   const double h = grid_.h, d0 = distance(v), reach = half_diagonal * h;
   const Vec3 centre = grid_.centre(v);
   const double cap = std::abs(d0) + reach;
   leaflets_.within(centre, cap + reach, near);
   for (int s = 0; s < 27; ++s) {
     const Vec3 offset = h / 3 * Vec3(s % 3 - 1, s / 3 % 3 - 1, s / 9 - 1);
-    double value = s == 13 ? d0 : distance_to(near, centre + offset, cap);
+    double value = s == 13 ? d0 : leaflets_.distance_to(near, centre + offset, cap);
     if (s != 13 && (std::abs(d0) > offset.norm() ? d0 < 0 : leaflets_.is_inside(centre + offset))) value = -value;
     if (!visit(value, centre + offset)) return;
   }
@@ -268,7 +273,20 @@ void VoxelField::samples(Voxel v, std::vector<int>& near, Visit&& visit) const {
 
 float VoxelField::peak_bound(Voxel v) const {
   if (is_known_peak(v)) return peak_[static_cast<std::size_t>(v)];
-  return distance(v) + static_cast<float>(half_diagonal * grid_.h);
+  const float known = sampled_[static_cast<std::size_t>(v)];
+  return known > unknown ? known + static_cast<float>(sample_reach * grid_.h) : distance(v) + static_cast<float>(half_diagonal * grid_.h);
+}
+
+float VoxelField::sampled(Voxel v) const {
+  float& known = sampled_[static_cast<std::size_t>(v)];
+  if (known > unknown || leaflets_.empty()) return leaflets_.empty() ? far_away : known;
+  double best = -half_diagonal * grid_.h;
+  const bool by_wall = is_by_wall(v);
+  samples(v, scratch_, [&](double value, const Vec3& p) {
+    if (value > best && !(by_wall && !is_in_section(p))) best = value;
+    return true;
+  });
+  return known = static_cast<float>(best);
 }
 
 float VoxelField::cheap_peak(Voxel v) const { return is_known_peak(v) ? peak_[static_cast<std::size_t>(v)] : distance(v); }
@@ -280,20 +298,22 @@ float VoxelField::peak(Voxel v) const {
   const Vec3 centre = grid_.centre(v);
   const double cap = std::abs(distance(v)) + half_diagonal * grid_.h;
   Best best;
+  const bool by_wall = is_by_wall(v);
   samples(v, scratch_, [&](double value, const Vec3& p) {
-    if (value > best.value) best = {value, p};
+    if (value > best.value && !(by_wall && !is_in_section(p))) best = {value, p};
     return true;
   });
   if (best.value <= 0) {  // a gap finer than the samples: look right at the surfaces inside the voxel
     const double reach = 0.5 * grid_.h, off = 0.02 * grid_.h;
-    for (int t : scratch_) {
+    for (const auto& [distance, t] : scratch_.items) {
+      if (distance > half_diagonal * grid_.h) break;
       const Vec3 p = leaflets_.closest_point(t, centre) + off * leaflets_.normal(t);
-      if (((p - centre).cwiseAbs().array() > reach).any()) continue;
-      const double value = distance_to(scratch_, p, cap);
+      if (((p - centre).cwiseAbs().array() > reach).any() || (by_wall && !is_in_section(p))) continue;
+      const double value = leaflets_.distance_to(scratch_, p, cap);
       if (value > best.value && !leaflets_.is_inside(p)) best = {value, p};
     }
   }
-  if (best.value > 0) climb(scratch_, centre, 0.5 * grid_.h, cap, best);
+  if (best.value > 0) climb(scratch_, centre, 0.5 * grid_.h, cap, by_wall, best);
   known = static_cast<float>(best.value);
   peak_places_[v] = best.place;
   return known;
@@ -302,15 +322,8 @@ float VoxelField::peak(Voxel v) const {
 bool VoxelField::peak_reaches(Voxel v, double level) const {
   if (cheap_peak(v) >= level) return true;
   if (peak_bound(v) < level) return false;
-  double best = 0;
-  samples(v, scratch_, [&](double value, const Vec3&) {
-    best = std::max(best, value);
-    return best < level;
-  });
-  if (best >= level) return true;
-  // Each sample stands for a cube with a third of the voxel's side.
-  if (best + half_diagonal * grid_.h / 3 < level) return false;
-  return peak(v) >= level;
+  if (sampled(v) >= level) return true;
+  return peak_bound(v) >= level && peak(v) >= level;
 }
 
 Vec3 VoxelField::peak_place(Voxel v) const {
@@ -332,7 +345,7 @@ double VoxelField::open_fraction(Voxel v) const {
 
 double VoxelField::clearance(const Vec3& p, double cap) const {
   leaflets_.within(p, cap, scratch_);
-  const double d = distance_to(scratch_, p, cap);
+  const double d = leaflets_.distance_to(scratch_, p, cap);
   return leaflets_.is_inside(p) ? -d : d;
 }
 
@@ -340,7 +353,7 @@ Vec3 VoxelField::climb(const Vec3& p, const Vec3& centre, double reach, double c
   Best best{clearance(p, cap), p};
   if (best.value <= 0) return p;
   leaflets_.within(centre, cap + 2 * reach, scratch_);
-  climb(scratch_, centre, reach, cap, best);
+  climb(scratch_, centre, reach, cap, true, best);
   return best.place;
 }
 

@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -49,6 +48,8 @@ struct VoxelGrid {
 
 /// Largest distance from a voxel's centre to its corners, in voxels.
 inline constexpr double half_diagonal = 0.8660254037844387;
+/// Largest distance from a point of a voxel to the nearest of its 27 samples, in voxels.
+inline constexpr double sample_reach = half_diagonal / 3;
 
 class VoxelField {
  public:
@@ -62,7 +63,11 @@ class VoxelField {
 
   /// Signed distance from the voxel's centre to the leaflets' surface, positive outside the solid.
   float distance(Voxel v) const { return distance_[static_cast<std::size_t>(v)]; }
+  /// Wall or outside the grid at a point.
+  bool is_wall_at(const Vec3& p) const;
   bool is_wall(Voxel v) const { return wall_[static_cast<std::size_t>(v)] != 0; }
+  /// Largest clearance over 27 samples in the voxel, at most `sample_reach` voxels below the peak; worked out once and kept.
+  float sampled(Voxel v) const;
   bool is_known_peak(Voxel v) const { return peak_[static_cast<std::size_t>(v)] > -1e30f; }
 
   /// Largest clearance inside the voxel (0 when it lies wholly in the solid); worked out once and kept.
@@ -89,11 +94,12 @@ class VoxelField {
     double value = 0;
     Vec3 place = Vec3::Zero();
   };
-  double distance_to(std::span<const int> near, const Vec3& p, double cap) const;
-  void climb(std::span<const int> near, const Vec3& centre, double reach, double cap, Best& best) const;
+  void climb(const NearTriangles& near, const Vec3& centre, double reach, double cap, bool by_wall, Best& best) const;
   template <class Visit>
-  void samples(Voxel v, std::vector<int>& near, Visit&& visit) const;
+  void samples(Voxel v, NearTriangles& near, Visit&& visit) const;
 
+  bool is_by_wall(Voxel v) const { return by_wall_[static_cast<std::size_t>(v % (grid_.n[0] * grid_.n[1]))] != 0; }
+  bool is_in_section(const Vec3& p) const;
   void lay_grid(const SealInput& input, const SealOptions& options);
   void mark_wall(const SealInput& input, const SealOptions& options);
   void measure_near(double exact_mm, std::vector<int>& nearest);
@@ -106,9 +112,11 @@ class VoxelField {
   VoxelGrid grid_;
   std::vector<float> distance_;
   std::vector<std::uint8_t> wall_;
-  mutable std::vector<float> peak_;
+  std::vector<Vec2> section_;
+  std::vector<std::uint8_t> by_wall_;   // per column: the wall passes through or near it
+  mutable std::vector<float> peak_, sampled_;
   mutable std::unordered_map<Voxel, Vec3> peak_places_;
-  mutable std::vector<int> scratch_;
+  mutable NearTriangles scratch_;
 };
 
 }  // namespace mv::seal

@@ -271,7 +271,7 @@ void LeafletSolid::forces_directional(std::span<const double> x, std::span<const
 /// Power iteration on M_e^(-1/2) K_e M_e^(-1/2) of eight elements at a time, K_e by central differences of the element forces.
 template <int N>
 double LeafletSolid::Data::tile_step(const Tile& tile, const double* x, std::span<double> element_steps) const {
-  constexpr int rounds = 12;
+  constexpr int rounds = 16;
   constexpr double relative_displacement = 1e-6;
   alignas(64) double position[4 * tile_nodes_max];
   load_tile_nodes(blocks, tile, x, position);

@@ -63,7 +63,7 @@ class LeafletSolid {
 
   /// Largest stable step (s) of explicit central differences with the element's own lumped mass: min over elements of
   /// 2 / sqrt(lambda_max(M_e^-1 K_e)) with the current tangent, distortion control included; a lower bound of the assembled step but
-  /// for the power iteration (12 rounds, within a few per cent). Costs about 25 force evaluations: call it every 50 or 100 steps.
+  /// for the power iteration (16 rounds; a few per cent). Costs about 30 force evaluations: call it every 50 or 100 steps.
   /// `element_steps`, when not empty, receives the value of each element.
   double critical_step(std::span<const double> x, std::span<double> element_steps = {});
 

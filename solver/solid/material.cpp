@@ -65,11 +65,11 @@ LawConstants law_constants(const Material& m) {
     case Law::ogden:
       k.form = Form::ogden;
       for (int i = 0; i < 3; ++i) {
-        k.mu_over_alpha[i] = m.ogden_mu[i] / m.ogden_alpha[i];
-        k.half_alpha[i] = m.ogden_alpha[i] / 2;
+        k.twice_mu_over_alpha[i] = 2 * m.ogden_mu[i] / m.ogden_alpha[i];
+        k.alpha[i] = m.ogden_alpha[i];
       }
-      k.c_min = m.ogden_stretch_min * m.ogden_stretch_min;
-      k.c_max = m.ogden_stretch_max * m.ogden_stretch_max;
+      k.stretch_min = m.ogden_stretch_min;
+      k.stretch_max = m.ogden_stretch_max;
       break;
   }
   k.e_limit = std::sqrt(m.exponent_limit / k.b);

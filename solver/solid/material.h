@@ -4,7 +4,7 @@
 // Hyperelastic leaflet laws at one material point. SI units (Pa, kg/m3). Formulas, conventions and sources: README.md.
 //
 //   W(F, f) = W_iso(I1b, I4b) + U(J) + W_control(F),     J = det F,  C = F^T F,
-//   I1b = J^(-2/3) tr C,   I4b = J^(-2/3) f.C f,          U(J) = bulk/2 (ln J)^2.
+//   I1b = J^(-2/3) tr C,   I4b = f.C f (or J^(-2/3) f.C f),   U(J) = bulk/2 (ln J)^2.
 //
 // s1 eq. 12 adds beta_s log(I3) F^-T to P; that is this U with bulk = 2 beta_s (beta_s = 500 kPa is bulk = 1 MPa).
 // All functions are finite for every finite F, inverted ones included: below J = volume_floor the factor J^(-2/3) continues as its
@@ -21,7 +21,7 @@ namespace mv {
 enum class Law { m1, ogden, hgo, neo_hookean, m2, m3 };
 
 /// Below this J the volumetric factors are continued smoothly, so that a nearly flat or inverted element is pushed back.
-inline constexpr double volume_floor = 0.1;
+inline constexpr double volume_floor = 0.4;
 
 struct Material {
   Law law = Law::m1;
@@ -35,11 +35,11 @@ struct Material {
   double hgo_c10 = 2272, hgo_k1 = 4000, hgo_k2 = 150, hgo_kappa = 0.25;
 
   // Ogden: sum_i 2 mu_i/alpha_i^2 (l1b^alpha_i + l2b^alpha_i + l3b^alpha_i - 3), ground shear modulus sum mu_i
-  // s2 prints alpha = -19.4, -19.3, -25.0. Taken literally these lose stability at 7 % equibiaxial strain: the large mu cancel, and so the
-  // decimals of alpha that were not printed matter. -19.35 rounds to both and is stable (README.md, "Ogden of s2").
+  // s2 prints alpha = -19.4, -19.3, -25.0. Taken literally these soften at 4 % equibiaxial strain: the large mu cancel, so the decimals that
+  // were not printed decide. These round to the printed ones, are stable, and follow HGO with kappa = 1/3 (README.md, "Ogden of s2").
   std::array<double, 3> ogden_mu{-481836.3, 484166.6, 742.8};   // Pa
-  std::array<double, 3> ogden_alpha{-19.35, -19.35, -25.0};
-  // Outside this range of modified principal stretch the law continues as a parabola in the squared stretch.
+  std::array<double, 3> ogden_alpha{-19.36, -19.318, -25.0};
+  // Outside this range of modified principal stretch the law continues as a parabola in the stretch.
   double ogden_stretch_min = 0.7, ogden_stretch_max = 2.0;
 
   // neo-Hookean: mu/2 (I1b - 3)
@@ -50,12 +50,13 @@ struct Material {
   // M3 (s4 eq. 9): c0 (exp(c1 (I1b - 3)^2 + c2 (I4b* - 1)^2) - 1)
   double m3_c0 = 0.29e3, m3_c1 = 0.47, m3_c2 = 55.39;
 
-  // Exponents are followed up to this value; above it the law continues with the tangent reached there. M1 anterior reaches 6 at a
-  // fibre stretch of 1.15 and 12 MPa, far above any stress of s1 to s4 (0.44 MPa).
-  double exponent_limit = 6;
+  // Exponents are followed up to this value; above it the law continues with the tangent reached there, which bounds the stiffness. M1
+  // anterior reaches 4 at a fibre stretch of 1.126 and 1.2 MPa; the largest fibre stress printed in s1 and s4 is 0.44 MPa.
+  double exponent_limit = 4;
 
-  // false: f.C f itself instead of I4b, so that volume change does not stretch fibres (s1 uses it so).
-  bool has_modified_fibre_invariant = true;
+  // false: fibres see their own stretch, as s1 writes it. true: the J^(-2/3) of the isochoric part as well; a shrinking element then
+  // stretches its fibres in name only, and its stable step drops by seven at J = 1/2 (README.md).
+  bool has_modified_fibre_invariant = false;
 
   // Distortion control (s0): with e over the principal nominal strains l1-1, l2-1, l3-1 (the smallest stretch carries the sign of J)
   // and the volume strain J-1:  W_control = distortion_factor bulk/2 sum <|e| - distortion_strain>^2.  Factor 0 switches it off.

@@ -23,7 +23,7 @@ struct LawConstants {
   double bulk = 0;
   double c = 0, a = 0, b = 1, k1 = 0, k4 = 1, e_limit = 0;     // fibre_exponential
   double c0 = 0, c1 = 0, c2 = 0, exponent_limit = 0;           // m2, m3
-  double mu_over_alpha[3] = {0, 0, 0}, half_alpha[3] = {1, 1, 1}, c_min = 0, c_max = 0;   // ogden, squared stretches
+  double twice_mu_over_alpha[3] = {0, 0, 0}, alpha[3] = {1, 1, 1}, stretch_min = 0, stretch_max = 0;   // ogden
   double control_strain = 0, control_stiffness = 0;
 };
 
@@ -122,28 +122,29 @@ MV_INLINE Isochoric<T> m3_law(const LawConstants& k, T I1b, T I4b) {
   return exponential_of<T>(k, k.c1 * i1 * i1 + k.c2 * e * e, 2.0 * k.c1 * i1, 2.0 * k.c2 * e);
 }
 
-/// phi(c) = sum_i 2 mu_i/alpha_i^2 (c^(alpha_i/2) - 1) of a squared modified stretch c, and phi'.
+/// psi(l) = sum_i 2 mu_i/alpha_i^2 (l^alpha_i - 1) of a modified stretch l, and psi'. Outside [stretch_min, stretch_max] a parabola in l,
+/// which goes on through l = 0: as a function of the signed stretch the law has no trap on the inverted side.
 template <class T>
 struct OgdenTerm {
-  T phi, dphi;
+  T psi, dpsi;
 };
 
 template <class T>
-MV_INLINE OgdenTerm<T> ogden_term(const LawConstants& k, T c) {
-  const T inside = minimum(maximum(c, broadcast<T>(k.c_min)), broadcast<T>(k.c_max));
-  const T outside = c - inside;
-  const T log_c = logarithm(inside);
+MV_INLINE OgdenTerm<T> ogden_term(const LawConstants& k, T stretch) {
+  const T inside = minimum(maximum(stretch, broadcast<T>(k.stretch_min)), broadcast<T>(k.stretch_max));
+  const T outside = stretch - inside;
+  const T log_stretch = logarithm(inside);
   const T inverse = 1.0 / inside;
-  T phi = T{}, dphi = T{}, ddphi = T{};
+  T psi = T{}, dpsi = T{}, ddpsi = T{};
   for (int i = 0; i < 3; ++i) {
-    const T power = k.mu_over_alpha[i] * exponential(k.half_alpha[i] * log_c);
-    phi = phi + (power - k.mu_over_alpha[i]) * (1.0 / k.half_alpha[i]);
-    dphi = dphi + power;
-    ddphi = ddphi + (k.half_alpha[i] - 1.0) * power;
+    const T power = k.twice_mu_over_alpha[i] * exponential(k.alpha[i] * log_stretch);
+    psi = psi + (power - k.twice_mu_over_alpha[i]) * (1.0 / k.alpha[i]);
+    dpsi = dpsi + power;
+    ddpsi = ddpsi + (k.alpha[i] - 1.0) * power;
   }
-  dphi = dphi * inverse;
-  ddphi = ddphi * inverse * inverse;
-  return {phi + (dphi + 0.5 * ddphi * outside) * outside, dphi + ddphi * outside};
+  dpsi = dpsi * inverse;
+  ddpsi = ddpsi * inverse * inverse;
+  return {psi + (dpsi + 0.5 * ddpsi * outside) * outside, dpsi + ddpsi * outside};
 }
 
 template <class T>
@@ -153,24 +154,67 @@ struct Response {
 };
 
 template <class T>
-MV_INLINE Response<T> ogden_response(const LawConstants& k, const Deformation<T>& d) {
-  const Volumetric<T> v = volumetric(d.J);
-  const Spectrum<T> s = principal_values(right_cauchy_green(d.F));
-  Response<T> r{k.bulk * v.U, {}};
-  Tensor<T> S{};
-  T volume_slope = k.bulk * v.dU;
+struct CubeRootFactor {
+  T r, dr;   // J^(-1/3) and its derivative
+};
+
+/// Below stretch_min and for J <= 0, with signed stretches F = sum_a l_a n_a (x) N_a. Rare, and long: kept out of the hot loop.
+template <class T>
+__attribute__((noinline)) void ogden_signed_terms(const LawConstants& k, const Deformation<T>& d, const CubeRootFactor<T>& v,
+                                                  const Spectrum<T>& spectrum, Response<T>& response) {
+  const SignedStretches<T> s = signed_stretches(d.F, d.cof, d.J, spectrum);
+  T volume_slope{};
+  response.W = T{};
   for (int a = 0; a < 3; ++a) {
-    const OgdenTerm<T> t = ogden_term(k, v.m * s.value[a]);
-    r.W = r.W + t.phi;
-    volume_slope = volume_slope + t.dphi * s.value[a] * v.dm;
-    const T weight = 2.0 * v.m * t.dphi;
+    const OgdenTerm<T> t = ogden_term(k, v.r * s.stretch[a]);
+    response.W = response.W + t.psi;
+    volume_slope = volume_slope + t.dpsi * s.stretch[a] * v.dr;
+    const T stress = v.r * t.dpsi;
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) S(i, j) = S(i, j) + weight * s.vector[a][i] * s.vector[a][j];
+      for (int j = 0; j < 3; ++j) {
+        const T term = stress * s.current[a][i] * s.reference[a][j];
+        response.P(i, j) = a == 0 ? term : response.P(i, j) + term;
+      }
   }
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      r.P(i, j) = d.F(i, 0) * S(0, j) + d.F(i, 1) * S(1, j) + d.F(i, 2) * S(2, j) + volume_slope * d.cof(i, j);
-  return r;
+    for (int j = 0; j < 3; ++j) response.P(i, j) = response.P(i, j) + volume_slope * d.cof(i, j);
+}
+
+/// P = r sum_a psi'(r l_a) n_a (x) N_a + (sum_a psi'(r l_a) l_a r' + U') cof F,  r = J^(-1/3),  n_a = F N_a / l_a.
+template <class T>
+MV_INLINE Response<T> ogden_response(const LawConstants& k, const Deformation<T>& d) {
+  const Volumetric<T> v = volumetric(d.J);
+  const T r = square_root(v.m);
+  const CubeRootFactor<T> factor{r, 0.5 * v.dm / r};
+  const Spectrum<T> s = principal_values(right_cauchy_green(d.F));
+  const T smallest = v.m * minimum(s.value[0], minimum(s.value[1], s.value[2]));
+  Response<T> response;
+  if (any((smallest < broadcast<T>(k.stretch_min * k.stretch_min)) | (d.J < broadcast<T>(volume_floor)))) {
+    ogden_signed_terms(k, d, factor, s, response);
+  } else {
+    Tensor<T> S{};
+    T volume_slope{};
+    response.W = T{};
+    for (int a = 0; a < 3; ++a) {
+      const T inverse_stretch = inverse_square_root(s.value[a]);
+      const T stretch = s.value[a] * inverse_stretch;
+      const OgdenTerm<T> t = ogden_term(k, r * stretch);
+      response.W = response.W + t.psi;
+      volume_slope = volume_slope + t.dpsi * stretch * factor.dr;
+      const T weight = r * t.dpsi * inverse_stretch;
+      for (int i = 0; i < 3; ++i)
+        for (int j = i; j < 3; ++j) S(i, j) = S(i, j) + weight * s.vector[a][i] * s.vector[a][j];
+    }
+    S(1, 0) = S(0, 1), S(2, 0) = S(0, 2), S(2, 1) = S(1, 2);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        response.P(i, j) = d.F(i, 0) * S(0, j) + d.F(i, 1) * S(1, j) + d.F(i, 2) * S(2, j) + volume_slope * d.cof(i, j);
+  }
+  response.W = response.W + k.bulk * v.U;
+  const T pressure = k.bulk * v.dU;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) response.P(i, j) = response.P(i, j) + pressure * d.cof(i, j);
+  return response;
 }
 
 template <class T>
@@ -211,7 +255,7 @@ MV_INLINE Mask<T> may_be_distorted(const LawConstants& k, const Deformation<T>& 
 /// Adds distortion control to P, returns its energy density; `is_active` where it is not zero.
 template <class T>
 MV_INLINE T add_distortion_control(const LawConstants& k, const Deformation<T>& d, Tensor<T>& P, Mask<T>& is_active) {
-  const SignedStretches<T> s = signed_stretches(d.F, d.cof, d.J);
+  const SignedStretches<T> s = signed_stretches(d.F, d.cof, d.J, principal_values(right_cauchy_green(d.F)));
   T energy = T{}, active_measure = T{};
   auto excess = [&](T nominal) {
     const T over = maximum(absolute(nominal) - k.control_strain, T{});

@@ -4,8 +4,6 @@
 // Principal values of symmetric 3x3 tensors for T = double or Pack: cyclic Jacobi rotations. Unlike the closed form with the arccosine it
 // keeps full accuracy, and orthonormal vectors, for repeated and nearly repeated values.
 
-#include <limits>
-
 #include "solver/solid/pack.h"
 
 namespace mv::solid_kernel {
@@ -41,15 +39,22 @@ struct Spectrum {
   T vector[3][3];   // vector[a] belongs to value[a]; orthonormal, right-handed, in no particular order
 };
 
+/// Rotation in the plane p q by the angle of at most 45 degrees that makes C(p, q) zero.
 template <class T>
 MV_INLINE void rotate(Tensor<T>& C, Spectrum<T>& s, int p, int q) {
+  constexpr double tiny = 1e-150;   // makes the angle zero where C(p, p) = C(q, q) and C(p, q) = 0
   const int r = 3 - p - q;
   const T difference = C(q, q) - C(p, p);
   const T twice = 2.0 * C(p, q);
-  const T root = square_root(difference * difference + twice * twice);
-  const T t = select(difference < T{}, -twice, twice) / (absolute(difference) + root + std::numeric_limits<double>::min());
-  const T cosine = 1.0 / square_root(1.0 + t * t);
-  const T sine = t * cosine;
+  const T size = absolute(difference) + tiny;
+  const T inverse_root = inverse_square_root(size * size + twice * twice);
+  const T cosine2 = size * inverse_root;
+  const T sine2 = select(difference < T{}, -twice, twice) * inverse_root;
+  const T cosine_squared = 0.5 + 0.5 * cosine2;
+  const T inverse_cosine = inverse_square_root(cosine_squared);
+  const T cosine = cosine_squared * inverse_cosine;
+  const T sine = 0.5 * sine2 * inverse_cosine;
+  const T t = sine * inverse_cosine;
   C(p, p) = C(p, p) - t * C(p, q);
   C(q, q) = C(q, q) + t * C(p, q);
   C(p, q) = T{};
@@ -87,7 +92,7 @@ MV_INLINE Spectrum<T> principal_values(Tensor<T> C) {
 }
 
 /// F = sum_a stretch_a current_a (x) reference_a with the last stretch the smallest and carrying the sign of J = det F, so that it passes
-/// smoothly through zero when the element inverts. `cof` is the cofactor tensor of F.
+/// smoothly through zero when the element inverts. `cof` is the cofactor tensor of F, `s` the spectrum of F^T F.
 template <class T>
 struct SignedStretches {
   T stretch[3];
@@ -95,8 +100,7 @@ struct SignedStretches {
 };
 
 template <class T>
-MV_INLINE SignedStretches<T> signed_stretches(const Tensor<T>& F, const Tensor<T>& cof, T J) {
-  Spectrum<T> s = principal_values(right_cauchy_green(F));
+MV_INLINE SignedStretches<T> signed_stretches(const Tensor<T>& F, const Tensor<T>& cof, T J, Spectrum<T> s) {
   for (int a = 0; a < 2; ++a) {
     const auto is_smaller = s.value[a] < s.value[2];
     const T value = s.value[a];

@@ -55,6 +55,7 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)), waveform_(Wavefo
     fluid_.emplace(grid, FluidBoundary(), make_tube_wall(grid, section), config.number("fluid.density"), config.number("fluid.viscosity"));
     coupling_.emplace(Transfer(grid, fluid_->wall(), kernel_from_name(config.text("fluid.kernel"))), config.number("fluid.density"), structure_->masses());
     force_density_ = FaceField(grid);
+    held_count_ = coupling_->set_held(structure_->rest_positions(), structure_->is_fixed());
     stable_step_.emplace(unknowns, &fluid_->grid());
   } else {
     stable_step_.emplace(unknowns, nullptr);
@@ -67,6 +68,7 @@ State Simulation::initial_state() {
   state.v.assign(state.x.size(), 0.0);
   state.is_released.assign(structure_->is_fixed().size(), 0);
   if (fluid_) {
+    state.holding.assign(3 * static_cast<std::size_t>(held_count_), 0.0);
     state.flow = fluid_->make_state();
     const double p = waveform_.at(0);
     state.flow.boundary_pressure[2][0] = p;
@@ -75,6 +77,7 @@ State Simulation::initial_state() {
       for (int j = 0; j < grid.n[1]; ++j)
         for (int i = 0; i < grid.n[0]; ++i) state.flow.pressure[static_cast<std::size_t>(grid.index(i, j, k))] = p * (1 - (k + 0.5) / grid.n[2]);
   }
+  if (structure_->contact()) state.friction_slip = structure_->contact()->export_history();
   PartTimes ignored;
   structure_->evaluate(state, 0.0, 0.0, forces_, ignored);
   state.initial_energy = total_energy(state);
@@ -138,6 +141,7 @@ void Simulation::advance(State& state, double dt) {
     outside_ = coupling_->bind(nodes);
     force_density_.set_zero();
     coupling_->hand_over(forces_, force_density_);
+    state.ledger.coupling_loss -= coupling_->hold(state.holding, state.flow.velocity, dt, force_density_);
     times_.coupling += seconds_since(start);
     start = Clock::now();
     const FlowStepReport report = fluid_->advance(state.flow, force_density_, dt, {{{0, 0}, {0, 0}, {pressure, 0}}});

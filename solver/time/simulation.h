@@ -71,7 +71,7 @@ class Simulation {
   std::vector<double> x_before_;
   State snapshot_;
   bool has_snapshot_ = false;
-  int outside_ = 0;
+  int outside_ = 0, held_count_ = 0;
   PartTimes times_;
 };
 

@@ -4,6 +4,8 @@
 // Forces of everything that is not blood: tissue, chordae, contact, and the pressure put straight on the ventricular face when a scene
 // has no blood.
 
+#include <Eigen/Geometry>
+#include <array>
 #include <memory>
 #include <optional>
 

@@ -132,7 +132,7 @@ Summary summarize(Simulation& simulation, const State& state, const ContactMeasu
   put_seal(summary, simulation, points, structure.contact() ? 1e3 * contact.threshold : default_threshold_mm);
   if (structure.contact()) put_contact(summary, simulation, state, points, contact);
   const auto boundary = boundary_faces(scene.mesh).triangles;
-  summary.set("contact.self_intersections", static_cast<long>(self_intersections(points, boundary).pairs.size()));
+  summary.set("contact.self_intersections", static_cast<long>(self_intersections(points, boundary).size()));
 
   const AnnulusPlane plane = plane_of(scene);
   const Triangles atrial_triangles = faces_on_side(scene.mesh, atrial).triangles;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Small leaflet meshes made from a structured grid, each cell cut into six tetrahedra: a flat or bent patch, with or without a slit, and a
-// closed four-scallop valve on a circular cone.
+// Small leaflet meshes made from a structured grid, each cell cut into six tetrahedra: a flat or bent patch, with or without a
+// slit, and a closed four-scallop valve on a circular cone.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -18,11 +18,11 @@
 namespace mv::test {
 
 struct GridSpec {
-  int columns = 20, rows = 20, layers = 2;      // cells
-  bool is_periodic = false;                     // column `columns` is column 0
-  std::function<Vec2(int, int)> pattern;        // (column, row) -> (u, v), row 0 on the annulus
-  std::function<Vec3(Vec2, double)> place;      // (u, v), w in [-1/2, 1/2] (+1/2 atrial) -> position
-  std::function<Vec3(Vec2)> normal;             // towards the atrial face
+  int columns = 20, rows = 20, layers = 2;                             // cells
+  bool is_periodic = false;                                            // column `columns` is column 0
+  std::function<Vec2(int, int)> pattern;                               // (column, row) -> (u, v), row 0 on the annulus
+  std::function<Vec3(Vec2, double)> place;                             // (u, v), w in [-1/2, 1/2] (+1/2 atrial) -> position
+  std::function<Vec3(Vec2)> normal;                                    // towards the atrial face
   std::function<bool(int, int)> keep = [](int, int) { return true; };  // cells
   std::function<int(int)> region = [](int) { return static_cast<int>(anterior); };  // of a column of cells
 };
@@ -96,9 +96,11 @@ inline LeafletMesh slit_patch(double width, double height, double floor, double 
   return grid_leaflet(g);
 }
 
-/// The four-semicircle pattern on a circular cone about z: anterior leaflet u in [0, 36] centred on +y, three posterior scallops, apex towards -z.
+/// The four-semicircle pattern on a circular cone about z: anterior leaflet u in [0, 36] centred on +y, three posterior scallops,
+/// apex towards -z.
 struct RingSpec {
-  double perimeter = 107.2, strip = 6, anterior_radius = 18, anterior_height = 0.9, posterior_height = 0.75, slope = 0.35, thickness = 1;
+  double perimeter = 107.2, strip = 6, anterior_radius = 18, anterior_height = 0.9, posterior_height = 0.75, slope = 0.35,
+         thickness = 1;
   int columns = 216, rows = 14, layers = 2;
   int scallops = 3;
 };
@@ -152,7 +154,8 @@ inline Papillary ring_papillary() { return {{Vec3(10, -2, -32), Vec3(-10, -2, -3
 inline Annulus ring_annulus(const RingSpec& r = {}) {
   Annulus a;
   const double radius = r.perimeter / (2 * std::numbers::pi);
-  for (int i = 0; i < 180; ++i) a.points.emplace_back(radius * std::cos(i * std::numbers::pi / 90), radius * std::sin(i * std::numbers::pi / 90), 0);
+  for (int i = 0; i < 180; ++i)
+    a.points.emplace_back(radius * std::cos(i * std::numbers::pi / 90), radius * std::sin(i * std::numbers::pi / 90), 0);
   a.normal = -Vec3::UnitZ();
   return a;
 }

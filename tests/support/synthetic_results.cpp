@@ -308,10 +308,12 @@ void write_case_copies(const fs::path& results) {
   fs::create_directories(results / "case");
   Json quality;
   quality["passed"] = true;
-  quality["gates"] = Json::array(
-      {{{"name", "closed and oriented surface"}, {"value", true}, {"passed", true}},
-       {{"name", "smallest dihedral angle"}, {"value", 21.7}, {"unit", "degrees"}, {"limit", ">= 10"}, {"passed", true}},
-       {{"name", "solid spacing over fluid spacing"}, {"value", 0.48}, {"unit", "1"}, {"limit", "<= 0.5"}, {"passed", true}}});
+  const auto gate = [](const char* name, double value, const char* relation, double limit, const char* unit, const char* message) {
+    return Json{{"name", name}, {"verdict", "pass"}, {"value", value}, {"limit", limit}, {"relation", relation}, {"unit", unit}, {"worst_element", -1}, {"message", message}};
+  };
+  quality["gates"] = Json::array({gate("leaflets.boundary_open_edges", 0, "==", 0, "edges", "closed and oriented boundary"),
+                                  gate("leaflets.dihedral_min_deg", 21.7, ">=", 10, "deg", "smallest dihedral angle"),
+                                  gate("leaflets.spacing_ratio", 0.48, "<=", 0.5, "1", "solid spacing over fluid spacing")});
   write_json(results / "case" / "quality.json", quality);
   write_text_atomically(results / "case" / "case.toml", "format_version = 1\n[mesh]\nspacing = \"0.5 mm\"  # <spacing>\n");
   Json manifest;

@@ -8,6 +8,7 @@
 #include <functional>
 #include <vector>
 
+#include "geometry/core/parallel.h"
 #include "solver/contact/surface.h"
 
 namespace mv::test {
@@ -93,6 +94,35 @@ inline TetMesh tet_box(int nx, int ny, int nz, double lx, double ly, double lz) 
     }
   }
   return m;
+}
+
+/// Runs a scope on one thread: the small models of these tests gain nothing from more.
+class OneThread {
+ public:
+  OneThread() { set_thread_count(1); }
+  ~OneThread() { set_thread_count(before_); }
+  OneThread(const OneThread&) = delete;
+  OneThread& operator=(const OneThread&) = delete;
+
+ private:
+  int before_ = thread_count();
+};
+
+/// Total force and total moment about the origin of interleaved nodal forces, with the sums of the magnitudes for scale.
+struct Resultant {
+  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+  double force_scale = 0, moment_scale = 0;
+};
+inline Resultant resultant(const std::vector<double>& x, const std::vector<double>& forces) {
+  Resultant r;
+  for (std::size_t n = 0; n < x.size() / 3; ++n) {
+    const Vec3 p = Eigen::Map<const Vec3>(x.data() + 3 * n), f = Eigen::Map<const Vec3>(forces.data() + 3 * n);
+    r.force += f;
+    r.moment += p.cross(f);
+    r.force_scale += f.norm();
+    r.moment_scale += p.norm() * f.norm();
+  }
+  return r;
 }
 
 }  // namespace mv::test

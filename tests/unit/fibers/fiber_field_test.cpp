@@ -23,7 +23,8 @@ double between_directions(const Vec3& a, const Vec3& b) { return std::atan2(a.cr
 
 Vec3 centroid(const LeafletMesh& m, std::size_t e) {
   Vec3 x = Vec3::Zero();
-  for (std::size_t i = 0; i < 4; ++i) x += 0.25 * m.points[static_cast<std::size_t>(m.tets[e][i])];
+  for (std::size_t i = 0; i < 4; ++i)
+    x += 0.25 * m.points[static_cast<std::size_t>(m.tets[e][i])];
   return x;
 }
 
@@ -42,10 +43,13 @@ Vec2 pattern_place(const LeafletMesh& m, std::size_t e) {
 // Angle of the fibre to the annulus direction, positive when it leads away from the annulus as u grows; (-90, 90] degrees.
 double fibre_angle(const LeafletMesh& m, const Vec3& f, std::size_t e) {
   const Vec3 x = centroid(m, e), along = Vec3(-x.y(), x.x(), 0).normalized();
-  const Vec3 away = m.sheet_normal[e].cross(along).dot(-Vec3::UnitZ()) > 0 ? Vec3(m.sheet_normal[e].cross(along)) : Vec3(-m.sheet_normal[e].cross(along));
+  const Vec3 away = m.sheet_normal[e].cross(along).dot(-Vec3::UnitZ()) > 0 ? Vec3(m.sheet_normal[e].cross(along))
+                                                                           : Vec3(-m.sheet_normal[e].cross(along));
   double angle = std::atan2(f.dot(away), f.dot(along)) / degree;
-  while (angle <= -90) angle += 180;
-  while (angle > 90) angle -= 180;
+  while (angle <= -90)
+    angle += 180;
+  while (angle > 90)
+    angle -= 180;
   return angle;
 }
 
@@ -64,7 +68,8 @@ TEST(ParallelFibers, lie_in_the_annulus_plane_and_on_the_leaflet) {
 
 TEST(ParallelFibers, sign_of_the_annulus_normal_does_not_matter) {
   const auto a = parallel_fibers(valve(), Vec3::UnitZ()), b = parallel_fibers(valve(), Vec3(0, 0, -3));
-  for (std::size_t e = 0; e < a.size(); ++e) EXPECT_EQ(a[e], -b[e]);
+  for (std::size_t e = 0; e < a.size(); ++e)
+    EXPECT_EQ(a[e], -b[e]);
 }
 
 TEST(ParallelFibers, where_the_leaflet_is_flat_the_neighbours_decide) {
@@ -82,7 +87,8 @@ TEST(ParallelFibers, where_the_leaflet_is_flat_the_neighbours_decide) {
     return Vec3(mid + w * Vec3(0, std::cos(a), -std::sin(a)));
   };
   const LeafletMesh mesh = test::grid_leaflet(g);
-  for (const Vec3& f : parallel_fibers(mesh, Vec3::UnitZ())) EXPECT_LT(between_directions(f, Vec3::UnitX()), 1e-6);
+  for (const Vec3& f : parallel_fibers(mesh, Vec3::UnitZ()))
+    EXPECT_LT(between_directions(f, Vec3::UnitX()), 1e-6);
   EXPECT_THROW(parallel_fibers(test::flat_patch(5, 5, 1), Vec3::UnitZ()), InputError);
 }
 
@@ -119,7 +125,8 @@ TEST(ArcFibers, run_along_the_annulus_and_the_middle_and_down_to_the_border_on_t
 TEST(ArcFibers, follow_the_slope_of_the_guide) {
   const auto fibres = arc_fibers(valve(), {});
   const double end = 0.7, h_end = test::ring_height({}, 18 + 18 * end), apex = 0.45 * 22.2;
-  const double shrink = 1 - 12.0 * 0.35 / std::hypot(1.0, 0.35) / (107.2 / (2 * std::numbers::pi));  // of lengths along u on the cone, half way
+  const double shrink =
+      1 - 12.0 * 0.35 / std::hypot(1.0, 0.35) / (107.2 / (2 * std::numbers::pi));  // of lengths along u on the cone, half way
   int checked = 0;
   for (std::size_t e = 0; e < fibres.size(); ++e) {
     const Vec2 p = pattern_place(valve(), e);
@@ -153,10 +160,12 @@ TEST(ArcFibers, meet_the_border_at_right_angles_near_the_commissures) {
 TEST(ArcFibers, place_of_the_seam_and_sign_of_the_sheet_normal_do_not_matter) {
   const auto reference = arc_fibers(valve(), {});
   LeafletMesh shifted = valve();
-  for (Vec2& p : shifted.unfolded) p.x() = std::fmod(p.x() + 90, 107.2);
+  for (Vec2& p : shifted.unfolded)
+    p.x() = std::fmod(p.x() + 90, 107.2);
   const auto moved = arc_fibers(shifted, {});
   LeafletMesh turned = valve();
-  for (Vec3& n : turned.sheet_normal) n = -n;
+  for (Vec3& n : turned.sheet_normal)
+    n = -n;
   const auto opposite = arc_fibers(turned, {});
   for (std::size_t e = 0; e < reference.size(); ++e) {
     EXPECT_LT(between_directions(reference[e], moved[e]), 0.2 * degree);

@@ -25,7 +25,8 @@ std::vector<int> all_elements(const LeafletMesh& m) {
 
 Vec3 centroid(const LeafletMesh& m, int e) {
   Vec3 x = Vec3::Zero();
-  for (std::size_t i = 0; i < 4; ++i) x += 0.25 * m.points[static_cast<std::size_t>(m.tets[static_cast<std::size_t>(e)][i])];
+  for (std::size_t i = 0; i < 4; ++i)
+    x += 0.25 * m.points[static_cast<std::size_t>(m.tets[static_cast<std::size_t>(e)][i])];
   return x;
 }
 
@@ -74,7 +75,8 @@ TEST(Nematic, takes_the_short_way_as_a_direction_without_sign) {
     if (mesh.points[i].x() > 10 - 1e-9) given.push_back({static_cast<int>(i), in_plane(10 * degree), 1});
   }
   const NematicField field = diffuse_directions(mesh, all_elements(mesh), given);
-  for (const Vec3& f : field.directions) EXPECT_LT(between_directions(f, Vec3::UnitX()), 10.001 * degree);
+  for (const Vec3& f : field.directions)
+    EXPECT_LT(between_directions(f, Vec3::UnitX()), 10.001 * degree);
 }
 
 TEST(Nematic, negating_given_directions_changes_no_bit) {
@@ -88,8 +90,10 @@ TEST(Nematic, negating_given_directions_changes_no_bit) {
     given.push_back({static_cast<int>(i), d, 1});
     flipped.push_back({static_cast<int>(i), random() % 2 ? Vec3(-d) : d, 1});
   }
-  const NematicField a = diffuse_directions(mesh, all_elements(mesh), given), b = diffuse_directions(mesh, all_elements(mesh), flipped);
-  for (std::size_t e = 0; e < mesh.tets.size(); ++e) EXPECT_EQ(a.directions[e], b.directions[e]);
+  const NematicField a = diffuse_directions(mesh, all_elements(mesh), given),
+                     b = diffuse_directions(mesh, all_elements(mesh), flipped);
+  for (std::size_t e = 0; e < mesh.tets.size(); ++e)
+    EXPECT_EQ(a.directions[e], b.directions[e]);
 }
 
 TEST(Nematic, on_a_cylinder_a_helix_stays_a_helix) {
@@ -99,8 +103,14 @@ TEST(Nematic, on_a_cylinder_a_helix_stays_a_helix) {
   g.rows = 12;
   const double radius = 17;
   g.pattern = [](int i, int j) { return Vec2(i * 0.5, j * 0.5); };
-  g.place = [=](Vec2 p, double w) { const double a = p.x() / radius; return Vec3((radius + w) * std::cos(a), (radius + w) * std::sin(a), p.y()); };
-  g.normal = [=](Vec2 p) { const double a = p.x() / radius; return Vec3(std::cos(a), std::sin(a), 0); };
+  g.place = [=](Vec2 p, double w) {
+    const double a = p.x() / radius;
+    return Vec3((radius + w) * std::cos(a), (radius + w) * std::sin(a), p.y());
+  };
+  g.normal = [=](Vec2 p) {
+    const double a = p.x() / radius;
+    return Vec3(std::cos(a), std::sin(a), 0);
+  };
   const LeafletMesh mesh = test::grid_leaflet(g);
   const auto helix = [](const Vec3& x, double angle) {
     const Vec3 around = Vec3(-x.y(), x.x(), 0).normalized();
@@ -123,7 +133,8 @@ TEST(Nematic, stays_between_the_given_angles) {
   std::vector<GivenDirection> given;
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
     if (mesh.on_annulus[i]) given.push_back({static_cast<int>(i), in_plane((5 + mesh.points[i].x()) * degree), 1});
-    if (mesh.on_free_edge[i] && std::abs(mesh.points[i].x() - 6) < 2) given.push_back({static_cast<int>(i), in_plane(80 * degree), 1});
+    if (mesh.on_free_edge[i] && std::abs(mesh.points[i].x() - 6) < 2)
+      given.push_back({static_cast<int>(i), in_plane(80 * degree), 1});
   }
   const NematicField field = diffuse_directions(mesh, all_elements(mesh), given);
   double low = 180, high = 0;
@@ -139,7 +150,8 @@ TEST(Nematic, stays_between_the_given_angles) {
   EXPECT_GT(high - low, 60);
 }
 
-// Flat ring, x direction on the inner circle, radial on the outer one: z = ln(R/r)/ln(R/q) + exp(2 i theta) (r^2 - q^4/r^2)/(R^2 - q^4/R^2).
+// Flat ring, x direction on the inner circle, radial on the outer one: z = ln(R/r)/ln(R/q) + exp(2 i theta) (r^2 - q^4/r^2)/(R^2
+// - q^4/R^2).
 double ring_angle_error(int columns) {
   const double inner = 4, outer = 10;
   test::GridSpec g;
@@ -172,7 +184,8 @@ double ring_angle_error(int columns) {
 }
 
 TEST(Nematic, angles_converge_with_second_order) {
-  const double coarse = ring_angle_error(24), medium = ring_angle_error(48), fine = ring_angle_error(96), finest = ring_angle_error(192);
+  const double coarse = ring_angle_error(24), medium = ring_angle_error(48), fine = ring_angle_error(96),
+               finest = ring_angle_error(192);
   RecordProperty("error_finest_degree", std::to_string(finest / degree));
   EXPECT_GT(std::log2(coarse / medium), 1.7);
   EXPECT_GT(std::log2(medium / fine), 1.8);
@@ -189,7 +202,8 @@ TEST(Nematic, contradicting_directions_are_reported_by_the_order) {
   }
   const NematicField field = diffuse_directions(mesh, all_elements(mesh), given);
   EXPECT_LT(field.order_min, 0.1);
-  for (const Vec3& f : field.directions) EXPECT_NEAR(f.norm(), 1, 1e-12);
+  for (const Vec3& f : field.directions)
+    EXPECT_NEAR(f.norm(), 1, 1e-12);
 }
 
 TEST(Nematic, refuses_what_leaves_the_field_undefined) {

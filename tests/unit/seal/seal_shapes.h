@@ -62,7 +62,7 @@ inline Solid extrude(int ni, int nj, bool periodic_j, const Map2& xy, const std:
 
 /// Ring plate around `centre` between radii r0 (0: a full disc) and r1, r1 measured from the origin.
 inline Solid ring_plate(double r0, double r1, double thickness, const Vec2& centre = Vec2::Zero(), const Map3& map = [](const Vec3& p) { return p; },
-                        int rings = 24, int sectors = 96) {
+                        int rings = 10, int sectors = 72) {
   const auto xy = [=](int i, int j) {
     const double a = 2 * std::numbers::pi * j / sectors, s = static_cast<double>(i) / rings;
     const Vec2 e(std::cos(a), std::sin(a));

@@ -70,7 +70,7 @@ TEST(distortion_control, compressed_and_inverted_element_is_pushed_back) {
   for (Law law : all_laws) {
     LeafletSolid solid(unit_tet(h), {material_of(law)});
     double previous = -1;
-    for (double J : {0.4, 0.3, 0.2, 0.1, 0.05, 0.01, 0.0, -0.01, -0.1, -0.3, -0.6, -1.0}) {
+    for (double J : {0.41, 0.39, 0.3, 0.2, 0.1, 0.05, 0.01, 0.0, -0.01, -0.1, -0.3, -0.6, -0.9}) {
       std::vector<double> x = solid.mesh().points, f(12, 0.0);
       x[11] = J * h;
       const double energy = solid.forces(x, f);
@@ -101,12 +101,12 @@ TEST(distortion_control, inverted_element_recovers) {
     std::vector<double> x = solid.mesh().points, v(12, 0.0), f(12);
     x[11] = -0.3 * h;
     x[9] = 0.1 * h;
-    for (int n = 0; n < 4000; ++n) {
-      const double dt = 0.5 * solid.critical_step(x);
+    const double dt = 0.2 * solid.critical_step(x);
+    for (int n = 0; n < 20000; ++n) {
       std::fill(f.begin(), f.end(), 0.0);
       solid.forces(x, f);
       for (int i = 0; i < 12; ++i) {
-        v[i] = 0.9 * v[i] + dt * f[i] / solid.node_masses()[i / 3];
+        v[i] = 0.95 * v[i] + dt * f[i] / solid.node_masses()[i / 3];
         x[i] += dt * v[i];
       }
     }

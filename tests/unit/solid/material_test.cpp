@@ -44,7 +44,8 @@ void expect_stress_is_energy_slope(const Material& m, const Mat3& F, const Vec3&
 double printed_energy(const Material& m, const Mat3& F, const Vec3& f) {
   const double J = F.determinant(), m23 = std::pow(J, -2.0 / 3);
   const Mat3 C = F.transpose() * F;
-  const double i1 = m23 * C.trace() - 3, i4 = std::max(m23 * f.dot(C * f), 1.0) - 1, i4_signed = m23 * f.dot(C * f) - 1;
+  const double i1 = m23 * C.trace() - 3, i4_signed = (m.has_modified_fibre_invariant ? m23 : 1) * f.dot(C * f) - 1;
+  const double i4 = std::max(i4_signed, 0.0);
   double W = m.bulk / 2 * std::pow(std::log(J), 2);
   switch (m.law) {
     case Law::m1: W += m.m1_c * i1 + m.m1_a / (2 * m.m1_b) * (std::exp(m.m1_b * i4 * i4) - 1); break;
@@ -71,7 +72,8 @@ TEST(material, energy_is_the_printed_formula) {
   Samples samples(1);
   for (Law law : all_laws)
     for (int n = 0; n < 200; ++n) {
-      const Material m = material_of(law);
+      Material m = material_of(law);
+      m.has_modified_fibre_invariant = n % 2 == 0;
       const Mat3 F = samples.stretches(samples.uniform(0.9, 1.12), samples.uniform(0.9, 1.12), samples.uniform(0.9, 1.12));
       const Vec3 f = samples.direction();
       const double expected = printed_energy(m, F, f);
@@ -146,7 +148,7 @@ TEST(material, stress_is_continuous_across_the_limits_of_the_law) {
   auto fibre_stretch = [](double s) { return Mat3(Vec3(s, 1 / std::sqrt(s), 1 / std::sqrt(s)).asDiagonal()); };
   const Material m1 = material_of(Law::m1);
   const double limit = std::sqrt(1 + std::sqrt(m1.exponent_limit / m1.m1_b));
-  EXPECT_NEAR(limit, 1.152, 1e-3);
+  EXPECT_NEAR(limit, 1.126, 1e-3);
   expect_continuous(m1, fibre_stretch, limit, Vec3::UnitX());
   const Material ogden = material_of(Law::ogden);
   expect_continuous(ogden, fibre_stretch, ogden.ogden_stretch_min, Vec3::UnitX());
@@ -177,7 +179,7 @@ TEST(material, reference_state_is_free_of_stress_and_energy) {
 
 /// Volume-preserving states: differences of principal Cauchy stress do not see the volumetric term.
 TEST(material, uniaxial_equibiaxial_and_shear_follow_the_closed_forms) {
-  for (double l : {0.85, 0.95, 1.03, 1.08, 1.15}) {
+  for (double l : {0.85, 0.95, 1.03, 1.08, 1.12}) {
     const Mat3 uniaxial = Vec3(l, 1 / std::sqrt(l), 1 / std::sqrt(l)).asDiagonal();
     const Mat3 biaxial = Vec3(l, l, 1 / (l * l)).asDiagonal();
     auto difference = [](const Material& m, const Mat3& F, const Vec3& f) {
@@ -233,10 +235,11 @@ TEST(material, uniaxial_equibiaxial_and_shear_follow_the_closed_forms) {
 }
 
 TEST(material, volumetric_term_is_that_of_s1_with_bulk_twice_beta) {
-  // s1 eq. 12: beta_s log(I3) F^-T; under F = s I nothing else acts
+  // s1 eq. 12: beta_s log(I3) F^-T; under F = s I nothing else acts once fibres are left out
   const double beta_s = 500e3;
   Material m = material_of(Law::m1);
   m.bulk = 2 * beta_s;
+  m.m1_a = 0;
   for (double s : {0.9, 0.99, 1.01, 1.1}) {
     const Mat3 P = first_piola(m, s * Mat3::Identity(), Vec3::UnitX());
     EXPECT_LT((P - beta_s * std::log(std::pow(s, 6)) / s * Mat3::Identity()).norm(), 1e-6) << s;
@@ -253,33 +256,41 @@ TEST(material, fibres_carry_only_tension) {
 
 TEST(material, unmodified_fibre_invariant_ignores_volume_change) {
   Material modified = material_of(Law::m1), full = modified;
+  modified.has_modified_fibre_invariant = true;
   full.has_modified_fibre_invariant = false;
   Samples samples(9);
   for (int n = 0; n < 50; ++n)
-    expect_stress_is_energy_slope(full, samples.stretches(samples.uniform(0.8, 1.2), samples.uniform(0.8, 1.2), samples.uniform(0.8, 1.2)),
+    expect_stress_is_energy_slope(modified, samples.stretches(samples.uniform(0.8, 1.2), samples.uniform(0.8, 1.2), samples.uniform(0.8, 1.2)),
                                   samples.direction());
   const Mat3 squeezed = Vec3(1, 0.9, 0.9).asDiagonal();   // fibre keeps its length, volume shrinks
   EXPECT_GT(energy_density(modified, squeezed, Vec3::UnitX()), energy_density(full, squeezed, Vec3::UnitX()) + 100);
 }
 
-/// s2 obtained its Ogden constants from the uniaxial response of HGO with kappa = 1/3.
+/// s2 obtained its Ogden constants from the response of HGO with kappa = 1/3, and printed too few decimals of alpha.
 TEST(material, ogden_of_s2_is_stable_and_near_isotropic_hgo_only_between_the_printed_decimals) {
   Material ogden = material_of(Law::ogden), printed = ogden, hgo = material_of(Law::hgo);
   hgo.hgo_kappa = 1.0 / 3;
   EXPECT_NEAR(ground_shear_modulus(ogden), 3073.1, 0.1);
   printed.ogden_alpha = {-19.4, -19.3, -25.0};
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(std::round(ogden.ogden_alpha[i] * 10) / 10, printed.ogden_alpha[i], 1e-9);
   EXPECT_TRUE(warnings(ogden).empty());
   EXPECT_EQ(warnings(printed).size(), 3u);
-  auto stress = [](const Material& m, double l) {
-    const Mat3 sigma = cauchy_stress(m, Vec3(l, 1 / std::sqrt(l), 1 / std::sqrt(l)).asDiagonal(), Vec3::UnitX());
-    return sigma(0, 0) - sigma(1, 1);
+  // incompressible tension with the free direction shrinking as l^-share
+  auto stress = [](const Material& m, double l, double share) {
+    const double side = share == 0.5 ? 1 / std::sqrt(l) : share == 1 ? 1 : l;
+    const Mat3 sigma = cauchy_stress(m, Vec3(l, side, std::pow(l, -share)).asDiagonal(), Vec3::UnitX());
+    return sigma(0, 0) - sigma(2, 2);
   };
-  for (double l = 1.02; l < 1.4; l += 0.02) {
-    const double ratio = stress(ogden, l) / stress(hgo, l);
-    EXPECT_GT(ratio, 0.54) << l;
-    EXPECT_LT(ratio, 1.20) << l;
+  for (double l = 1.02; l < 1.305; l += 0.02) {
+    const double uniaxial = stress(ogden, l, 0.5) / stress(hgo, l, 0.5);
+    EXPECT_TRUE(uniaxial > 0.5 && uniaxial < 0.65) << l << ' ' << uniaxial;
+    const double planar = stress(ogden, l, 1) / stress(hgo, l, 1);
+    EXPECT_TRUE(l > 1.21 || (planar > 0.65 && planar < 1.35)) << l << ' ' << planar;
+    const double equibiaxial = stress(ogden, l, 2) / stress(hgo, l, 2);
+    EXPECT_TRUE(l > 1.11 || (equibiaxial > 0.8 && equibiaxial < 2.0)) << l << ' ' << equibiaxial;
   }
-  EXPECT_LT(stress(printed, 1.3), 0);
+  EXPECT_LT(stress(printed, 1.3, 0.5), 0);
+  EXPECT_LT(stress(printed, 1.1, 2), 0);
 }
 
 TEST(material, defects_are_named) {

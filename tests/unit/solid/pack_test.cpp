@@ -57,6 +57,9 @@ TEST(pack, square_root_maximum_select_and_any) {
   Pack a = {0.0, 1.0, 2.0, 4.0, 9.0, 1e-300, 1e300, 0.25};
   const Pack r = square_root(a);
   for (int l = 0; l < lanes; ++l) EXPECT_EQ(lane(r, l), std::sqrt(lane(a, l)));
+  Pack b = {1e-300, 1e-8, 0.3, 0.5, 0.99, 1.0, 123.0, 1e300};
+  const Pack inverse = inverse_square_root(b);
+  for (int l = 0; l < lanes; ++l) EXPECT_NEAR(lane(inverse, l) * std::sqrt(lane(b, l)), 1.0, 4.5e-16);
   EXPECT_TRUE(any(a > broadcast<Pack>(1e299)));
   EXPECT_FALSE(any(a < Pack{}));
   EXPECT_EQ(lane(absolute(-a), 3), 4.0);

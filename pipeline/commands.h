@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+// The commands of mvprep. Results go to stdout, log and progress to stderr.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace mv {
+
+struct RunOptions {
+  std::filesystem::path config;
+  std::filesystem::path case_directory;
+  std::vector<std::string> settings;   // --set key=value
+  bool dry_run = false;
+  std::string from;                    // --from STAGE, empty for none
+};
+
+/// `mvprep run`: all stages.
+void run_command(const RunOptions& options);
+
+/// `mvprep generic`: starts a case with its geometry source only.
+void source_command(const std::string& stage, const RunOptions& options);
+
+/// `mvprep annulus|mesh|chordae|fibers|tube CASE`: one stage again, on what is there.
+void stage_command(const std::string& stage, const std::filesystem::path& case_directory, const std::vector<std::string>& settings);
+
+/// `mvprep check CASE`: the gates again; throws GateError when one fails.
+void check_command(const std::filesystem::path& case_directory);
+
+/// `mvprep config`: every key, with documentation unless `only_defaults`.
+void config_command(bool only_defaults);
+
+}  // namespace mv

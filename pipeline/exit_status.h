@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+
+namespace mv {
+
+/// Runs the program and turns what it throws into the exit code of DESIGN section 2, with the message on the log: mv::Error its own
+/// code, Interrupted 130, anything else 70. An Error with an empty message has already been printed.
+int exit_status(const std::function<void()>& program);
+
+}  // namespace mv

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <CLI/CLI.hpp>
+
+#include "geometry/core/errors.h"
+#include "geometry/core/log.h"
+#include "geometry/core/version.h"
+#include "pipeline/commands.h"
+#include "pipeline/exit_status.h"
+#include "pipeline/interrupt.h"
+#include "pipeline/stage_table.h"
+
+namespace {
+
+constexpr const char* exit_codes =
+    "Exit codes: 0 done, 2 usage, 3 config, 4 input data, 5 geometry or mesh gate, 7 input/output, 70 our bug, 130 interrupted.";
+
+void add_settings(CLI::App& command, std::vector<std::string>& settings) {
+  command.add_option("--set", settings, "Override one key, e.g. --set mesh.spacing=\"0.7 mm\"; may be repeated")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+}
+
+void add_config_and_case(CLI::App& command, mv::RunOptions& options) {
+  command.add_option("-c,--config", options.config, "Configuration (TOML); `mvprep config` prints one with every key")->required();
+  command.add_option("-o,--output", options.case_directory, "Case directory to write")->required();
+  add_settings(command, options.settings);
+}
+
+/// Builds the command line, runs the chosen command.
+void run(int argc, char** argv) {
+  CLI::App app{"mvprep: from a description of a mitral valve to a simulation-ready case", "mvprep"};
+  app.footer(exit_codes);
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "mvprep " + mv::version() + " (" + mv::git_revision() + ")");
+  bool is_verbose = false, is_quiet = false;
+  app.add_flag("-v,--verbose", is_verbose, "More log on stderr");
+  app.add_flag("-q,--quiet", is_quiet, "Only warnings and errors on stderr");
+  app.fallthrough();
+  const auto start_log = [&] {
+    mv::set_up_log(is_quiet ? mv::LogLevel::quiet : is_verbose ? mv::LogLevel::verbose : mv::LogLevel::normal);
+  };
+
+  mv::RunOptions options;
+  CLI::App* all = app.add_subcommand("run", "All stages; unchanged ones are skipped");
+  add_config_and_case(*all, options);
+  all->add_flag("--dry-run", options.dry_run, "Print counts, memory, predicted step and run time; write nothing");
+  all->add_option("--from", options.from, "Run this stage and all later ones even if unchanged")->type_name("STAGE");
+  all->callback([&] { start_log(), mv::run_command(options); });
+
+  CLI::App* generic = app.add_subcommand("generic", "Stage: " + mv::find_stage("generic").help);
+  add_config_and_case(*generic, options);
+  generic->callback([&] { start_log(), mv::source_command("generic", options); });
+
+  for (const char* name : {"annulus", "mesh", "chordae", "fibers", "tube"}) {
+    CLI::App* stage = app.add_subcommand(name, "Stage, again on what is there: " + mv::find_stage(name).help);
+    stage->add_option("CASE", options.case_directory, "Case directory")->required();
+    add_settings(*stage, options.settings);
+    stage->callback([&, name] { start_log(), mv::stage_command(name, options.case_directory, options.settings); });
+  }
+
+  CLI::App* check = app.add_subcommand("check", "Run the gates again and print them");
+  check->add_option("CASE", options.case_directory, "Case directory")->required();
+  check->callback([&] { start_log(), mv::check_command(options.case_directory); });
+
+  bool only_defaults = false;
+  CLI::App* keys = app.add_subcommand("config", "Print every key with unit, default and documentation, as a configuration");
+  keys->add_flag("--defaults", only_defaults, "Without the documentation");
+  keys->callback([&] { mv::config_command(only_defaults); });
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    const int code = app.exit(e);
+    if (code != 0) throw mv::UsageError("");
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  mv::set_up_log();
+  mv::catch_interrupts();
+  return mv::exit_status([&] { run(argc, argv); });
+}

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+// mid_surface.vtp: what a geometry source hands to the later stages.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "geometry/generic/mid_surface.h"
+
+namespace mv {
+
+struct SourceGeometry {
+  MidSurface surface;
+  std::vector<Vec3> annulus_curve;                // closed, ordered, smooth, mm
+  Vec3 anterior_direction = Vec3::UnitY();        // unit, in the annulus plane
+  double scale = 1;                               // lengths of the pattern over those of the configuration
+  Papillary papillary;                            // written to papillary.vtp
+  std::string summary;                            // one line for the user; not written
+};
+
+/// Everything but papillary and summary. Throws IoError.
+void write_source(const std::filesystem::path& file, const SourceGeometry& source);
+/// Throws IoError, InputError naming file and array.
+SourceGeometry read_source(const std::filesystem::path& file);
+
+}  // namespace mv

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver/contact/candidates.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "solver/contact/contact_kernel.h"
+#include "solver/contact/self_contact.h"
+#include "unit/contact/shapes.h"
+
+namespace mv::test {
+namespace {
+
+constexpr double mm = 1e-3;
+
+/// A thick sheet, randomly deformed and folded over itself.
+struct Crumpled {
+  TetMesh mesh = tet_box(24, 12, 2, 12 * mm, 6 * mm, 1 * mm);
+  ContactSurface surface = extract_contact_surface(mesh.x, mesh.tets, 1, mesh.side, ContactFaces::both);
+  std::vector<double> x;
+
+  explicit Crumpled(unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> shake(-0.05 * mm, 0.05 * mm);
+    const double radius = 1.5 * mm;
+    x = mesh.mapped([&](const Vec3& p) -> Vec3 {
+      const double straight = 4 * mm, u = p[0] - straight, arc = std::numbers::pi * radius;
+      const double inner = radius - p[2] + 0.2 * mm;
+      Vec3 q;
+      if (u < 0) q = {p[0], p[1], p[2]};
+      else if (u < arc) q = {straight + inner * std::sin(u / radius), p[1], radius + 0.2 * mm - inner * std::cos(u / radius)};
+      else q = {straight - (u - arc), p[1], radius + 0.2 * mm + inner};
+      return q + Vec3(shake(random), shake(random), shake(random));
+    });
+  }
+  Vec3 at(int surface_node) const { return Eigen::Map<const Vec3>(x.data() + 3 * surface.nodes[surface_node]); }
+};
+
+double distance(const Crumpled& c, int node, int f) {
+  const auto& t = c.surface.triangles[f];
+  const auto facet = contact::make_facet(c.at(t[0]), c.at(t[1]), c.at(t[2]), 0.0);
+  const Vec3 d = c.at(node) - facet.a;
+  const double height = facet.n.dot(d);
+  return std::sqrt(contact::project(facet, d).lateral_squared + height * height);
+}
+
+TEST(CandidateSearch, finds_every_triangle_in_reach) {
+  Crumpled c(1);
+  CandidateSearch search(c.surface, 1.5 * mm);
+  long expected = 0, listed = 0;
+  for (double radius : {0.3 * mm, 1.1 * mm, 3 * mm}) {
+    search.update(c.x, radius);
+    for (int n = 0; n < c.surface.node_count(); ++n) {
+      const auto list = search.triangles_of(n);
+      EXPECT_TRUE(std::is_sorted(list.begin(), list.end()));
+      EXPECT_EQ(std::adjacent_find(list.begin(), list.end()), list.end());
+      listed += static_cast<long>(list.size());
+      for (int f : list) EXPECT_FALSE(search.is_excluded(n, f));
+      for (int f = 0; f < c.surface.triangle_count(); ++f) {
+        if (search.is_excluded(n, f) || distance(c, n, f) > radius) continue;
+        EXPECT_TRUE(std::binary_search(list.begin(), list.end(), f));
+        ++expected;
+      }
+    }
+  }
+  EXPECT_GT(expected, 10000);
+  EXPECT_LT(listed, 3 * expected);
+}
+
+TEST(CandidateSearch, closest_point_agrees_with_dense_sampling) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> u(-1, 1);
+  for (int trial = 0; trial < 300; ++trial) {
+    std::array<Vec3, 4> p;
+    for (auto& q : p) q = Vec3(u(random), u(random), u(random));
+    const auto facet = contact::make_facet(p[0], p[1], p[2], 0.0);
+    const auto q = contact::project(facet, p[3] - p[0]);
+    const Vec3 foot = p[0] + q.l1 * facet.e1 + q.l2 * facet.e2, closest = p[0] + q.b1 * facet.e1 + q.b2 * facet.e2;
+    EXPECT_NEAR(facet.n.dot(foot - p[0]), 0, 1e-12);
+    EXPECT_NEAR((foot - closest).squaredNorm(), q.lateral_squared, 1e-10 * (1 + (foot - closest).squaredNorm()));
+    double best = std::numeric_limits<double>::infinity();
+    constexpr int samples = 60;
+    for (int i = 0; i <= samples; ++i) {
+      for (int j = 0; i + j <= samples; ++j) best = std::min(best, (p[3] - p[0] - (i * facet.e1 + j * facet.e2) / samples).norm());
+    }
+    const double found = (p[3] - closest).norm();
+    EXPECT_LE(found, best + 1e-12);
+    EXPECT_GE(found, best - 3.0 / samples);
+  }
+}
+
+TEST(CandidateSearch, excludes_neighbours_and_the_back_face_but_not_separate_pieces) {
+  // Two thick sheets side by side at rest, 0.3 mm apart: nothing of one excludes the other, although it is near.
+  TetMesh a = tet_box(6, 6, 2, 3 * mm, 3 * mm, 1 * mm);
+  const TetMesh b = a;
+  const int offset = static_cast<int>(a.x.size() / 3), elements = static_cast<int>(a.tets.size());
+  for (std::size_t n = 0; n < b.side.size(); ++n) {
+    const Vec3 p = b.point(static_cast<int>(n)) + Vec3(3.3 * mm, 0, 0);
+    a.x.insert(a.x.end(), {p[0], p[1], p[2]});
+    a.side.push_back(b.side[n]);
+  }
+  for (auto t : b.tets) {
+    for (int k = 0; k < 4; ++k) t[k] += offset;
+    a.tets.push_back(t);
+  }
+  ASSERT_EQ(static_cast<int>(a.tets.size()), 2 * elements);
+  const auto s = extract_contact_surface(a.x, a.tets, 1, a.side, ContactFaces::both);
+  const double radius = 1.5 * mm;
+  CandidateSearch search(s, radius);
+  int through = 0, own = 0, other = 0;
+  for (int n = 0; n < s.node_count(); ++n) {
+    for (int f = 0; f < s.triangle_count(); ++f) {
+      const auto& t = s.triangles[f];
+      const Vec3 centre = (s.reference[t[0]] + s.reference[t[1]] + s.reference[t[2]]) / 3;
+      const bool near = (centre - s.reference[n]).norm() < 0.999 * radius;
+      const bool same = (s.nodes[n] < offset) == (s.nodes[t[0]] < offset);
+      if ((centre - s.reference[n]).norm() > 1.001 * radius) {
+        EXPECT_FALSE(search.is_excluded(n, f));
+      }
+      if (near && same) {
+        EXPECT_TRUE(search.is_excluded(n, f));
+        (std::abs(centre[2] - s.reference[n][2]) > 0.9 * mm ? through : own)++;
+      }
+      if (near && !same) {
+        EXPECT_FALSE(search.is_excluded(n, f));
+        ++other;
+      }
+    }
+  }
+  EXPECT_GT(through, 1000);
+  EXPECT_GT(own, 1000);
+  EXPECT_GT(other, 100);
+}
+
+TEST(ClosestGaps, agree_with_brute_force) {
+  Crumpled c(3);
+  ContactOptions options;
+  SelfContact contact(c.surface, options);
+  CandidateSearch rule(c.surface, contact.options().exclusion_radius);
+  std::vector<Vec3> normals(c.surface.nodes.size());
+  current_node_normals(c.surface, c.x, normals);
+  for (bool atrial_only : {false, true}) {
+    for (double reach : {1.6 * mm, 4 * mm}) {
+      ClosestGaps gaps;
+      contact.closest_gaps(c.x, reach, atrial_only, gaps);
+      int found = 0;
+      for (int n = 0; n < c.surface.node_count(); ++n) {
+        double best = reach;
+        for (int f = 0; f < c.surface.triangle_count(); ++f) {
+          if (atrial_only && (c.surface.triangle_side[f] != 1 || !c.surface.on_atrial_face[n])) continue;
+          const auto& t = c.surface.triangles[f];
+          const auto facet = contact::make_facet(c.at(t[0]), c.at(t[1]), c.at(t[2]), 0.0);
+          if (facet.n.dot(normals[n]) >= facing_cosine || facet.n.dot(c.at(n) - facet.a) <= -contact.options().penetration_limit) continue;
+          if (!rule.is_excluded(n, f)) best = std::min(best, distance(c, n, f));
+        }
+        if (best < reach) {
+          EXPECT_NEAR(std::abs(gaps.gap[n]), best, 1e-12);
+          EXPECT_NEAR((gaps.point[n] - c.at(n)).norm(), best, 1e-12);
+          EXPECT_GE(gaps.triangle[n], 0);
+          ++found;
+        } else {
+          EXPECT_EQ(gaps.triangle[n], -1);
+          EXPECT_TRUE(std::isinf(gaps.gap[n]));
+        }
+      }
+      EXPECT_GT(found, 50);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mv::test
