@@ -19,8 +19,9 @@ std::string run_annulus_stage(const StageContext& context) {
   const Annulus annulus = make_annulus(source, read_papillary(context.in("papillary.vtp")));
   write_annulus(context.out("annulus.vtp"), annulus);
   const AnnulusMetrics m = measure_annulus(annulus, source.anterior_direction);
-  return fmt::format("perimeter {:.1f} mm, AP {:.1f} mm, AL-PM {:.1f} mm, height {:.1f} mm, plane residual {:.2f} mm, normal by {}",
-                     m.perimeter, m.ap_diameter, m.al_pm_diameter, m.height, annulus.residual_rms, annulus.sign_rule);
+  return fmt::format(
+      "perimeter {:.1f} mm, AP {:.1f} mm, AL-PM {:.1f} mm, height {:.1f} mm, plane residual {:.2f} mm, normal by {}", m.perimeter,
+      m.ap_diameter, m.al_pm_diameter, m.height, annulus.residual_rms, annulus.sign_rule);
 }
 
 }  // namespace mv

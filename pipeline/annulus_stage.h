@@ -8,7 +8,8 @@
 
 namespace mv {
 
-/// Fits the plane of the annulus curve; the normal points away from the atrium, on the side of the papillary tips. Writes annulus.vtp.
+/// Fits the plane of the annulus curve; the normal points away from the atrium, on the side of the papillary tips. Writes
+/// annulus.vtp.
 std::string run_annulus_stage(const StageContext& context);
 
 /// The same without files.

@@ -21,7 +21,8 @@ void make_directory(const std::filesystem::path& directory) {
   std::error_code failure;
   std::filesystem::create_directories(directory, failure);
   if (failure || !std::filesystem::is_directory(directory)) {
-    throw IoError("cannot create the directory " + directory.string() + ": " + (failure ? failure.message() : "a file is in the way"));
+    throw IoError("cannot create the directory " + directory.string() + ": " +
+                  (failure ? failure.message() : "a file is in the way"));
   }
 }
 
@@ -51,13 +52,15 @@ Config set_up_case(const Config& config, const std::filesystem::path& origin, co
   if (!copies.empty()) make_directory(case_directory / "inputs");
   Config resolved = config;
   inputs.clear();
-  std::string provenance = "\n[provenance]\nprogram = " + quoted("mvprep " + version()) + "\nrevision = " + quoted(git_revision()) +
-                           "\nconfig = " + quoted(origin.filename().string()) + "\nconfig_sha256 = " + quoted(origin_hash) + "\n";
+  std::string provenance = "\n[provenance]\nprogram = " + quoted("mvprep " + version()) +
+                           "\nrevision = " + quoted(git_revision()) + "\nconfig = " + quoted(origin.filename().string()) +
+                           "\nconfig_sha256 = " + quoted(origin_hash) + "\n";
   for (const Copy& copy : copies) {
     write_text_atomically(case_directory / copy.name, copy.text);
     resolved.set(copy.key + "=" + copy.name);
     inputs[copy.name] = copy.hash;
-    provenance += "\n[provenance.inputs." + quoted(copy.key) + "]\nsource = " + quoted(copy.source) + "\nsha256 = " + quoted(copy.hash) + "\n";
+    provenance += "\n[provenance.inputs." + quoted(copy.key) + "]\nsource = " + quoted(copy.source) +
+                  "\nsha256 = " + quoted(copy.hash) + "\n";
   }
   resolved.set_base_directory(std::filesystem::absolute(case_directory));
   write_text_atomically(case_directory / "case.toml",

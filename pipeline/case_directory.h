@@ -9,16 +9,17 @@
 
 namespace mv {
 
-/// Creates the directory if needed, copies every file the configuration names to inputs/KEY.EXT, writes case.toml (format_version, all values,
-/// [provenance]) and returns the configuration as the case holds it. `origin` is the configuration file. `inputs` receives the
-/// hashes. Throws IoError.
+/// Creates the directory if needed, copies every file the configuration names to inputs/KEY.EXT, writes case.toml
+/// (format_version, all values, [provenance]) and returns the configuration as the case holds it. `origin` is the configuration
+/// file. `inputs` receives the hashes. Throws IoError.
 Config set_up_case(const Config& config, const std::filesystem::path& origin, const std::filesystem::path& case_directory,
                    std::map<std::string, std::string>& inputs);
 
 /// case.toml of an existing case. Throws IoError when there is none, naming the command that makes one.
 Config read_case_config(const std::filesystem::path& case_directory);
 
-/// A directory inside the case for one stage's files. publish() renames them into the case; what was not published disappears with the object.
+/// A directory inside the case for one stage's files. publish() renames them into the case; what was not published disappears
+/// with the object.
 class StageDirectory {
  public:
   StageDirectory(const std::filesystem::path& case_directory, const std::string& stage);

@@ -41,17 +41,17 @@ void warn_out_of_date(const std::vector<std::string>& later, const std::filesyst
     if (std::filesystem::exists(case_directory / find_stage(name).outputs.front())) names += (names.empty() ? "" : ", ") + name;
   }
   if (names.empty()) return;
-  spdlog::warn("now out of date: {}; bring the case up to date with `mvprep run -c {} -o {}`", names, (case_directory / "case.toml").string(),
-               case_directory.string());
+  spdlog::warn("now out of date: {}; bring the case up to date with `mvprep run -c {} -o {}`", names,
+               (case_directory / "case.toml").string(), case_directory.string());
 }
 
 void print_gates(const std::filesystem::path& case_directory) {
   const auto json = nlohmann::json::parse(read_file(case_directory / "quality.json"));
   for (const auto& gate : json.at("gates")) {
-    print(fmt::format("{:<5} {:<32} {:>12.6g} {} {:<8.6g} {:<4} {}\n", gate.at("verdict").get<std::string>(), gate.at("name").get<std::string>(),
-                      gate.at("value").is_number() ? gate.at("value").get<double>() : 0.0, gate.at("relation").get<std::string>(),
-                      gate.at("limit").is_number() ? gate.at("limit").get<double>() : 0.0, gate.at("unit").get<std::string>(),
-                      gate.at("message").get<std::string>()));
+    print(fmt::format("{:<5} {:<32} {:>12.6g} {} {:<8.6g} {:<4} {}\n", gate.at("verdict").get<std::string>(),
+                      gate.at("name").get<std::string>(), gate.at("value").is_number() ? gate.at("value").get<double>() : 0.0,
+                      gate.at("relation").get<std::string>(), gate.at("limit").is_number() ? gate.at("limit").get<double>() : 0.0,
+                      gate.at("unit").get<std::string>(), gate.at("message").get<std::string>()));
   }
 }
 
@@ -60,9 +60,10 @@ void dry_run(const Config& config) {
   const Prediction p = predict_run(config, size);
   print(fmt::format("solid points     {}\ntetrahedra       {}{}\nfluid cells      {}\n", size.points, size.tets,
                     size.order == 2 ? " (quadratic)" : "", size.fluid_cells));
-  print(fmt::format("memory           {:.0f} MB\nstable step      {:.2g} s (set by {})\nsteps            {:.0f}\ntime per step    {:.1f} ms\n"
-                    "run time         {:.1f} min on two cores (a prediction, see pipeline/README.md)\n",
-                    p.memory_mb, p.step_s, p.limiter, p.steps, 1e3 * p.seconds_per_step, p.run_s / 60));
+  print(fmt::format(
+      "memory           {:.0f} MB\nstable step      {:.2g} s (set by {})\nsteps            {:.0f}\ntime per step    {:.1f} ms\n"
+      "run time         {:.1f} min on two cores (a prediction, see pipeline/README.md)\n",
+      p.memory_mb, p.step_s, p.limiter, p.steps, 1e3 * p.seconds_per_step, p.run_s / 60));
 }
 
 }  // namespace
@@ -89,7 +90,8 @@ void source_command(const std::string& stage, const RunOptions& options) {
   warn_out_of_date(run_one_stage(stage, resolved, options.case_directory, print_stage), options.case_directory);
 }
 
-void stage_command(const std::string& stage, const std::filesystem::path& case_directory, const std::vector<std::string>& settings) {
+void stage_command(const std::string& stage, const std::filesystem::path& case_directory,
+                   const std::vector<std::string>& settings) {
   Config config = read_case_config(case_directory);
   if (!settings.empty()) {
     for (const std::string& setting : settings) config.set(setting);

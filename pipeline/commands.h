@@ -12,9 +12,9 @@ namespace mv {
 struct RunOptions {
   std::filesystem::path config;
   std::filesystem::path case_directory;
-  std::vector<std::string> settings;   // --set key=value
+  std::vector<std::string> settings;  // --set key=value
   bool dry_run = false;
-  std::string from;                    // --from STAGE, empty for none
+  std::string from;  // --from STAGE, empty for none
 };
 
 /// `mvprep run`: all stages.
@@ -24,7 +24,8 @@ void run_command(const RunOptions& options);
 void source_command(const std::string& stage, const RunOptions& options);
 
 /// `mvprep annulus|mesh|chordae|fibers|tube CASE`: one stage again, on what is there.
-void stage_command(const std::string& stage, const std::filesystem::path& case_directory, const std::vector<std::string>& settings);
+void stage_command(const std::string& stage, const std::filesystem::path& case_directory,
+                   const std::vector<std::string>& settings);
 
 /// `mvprep check CASE`: the gates again; throws GateError when one fails.
 void check_command(const std::filesystem::path& case_directory);

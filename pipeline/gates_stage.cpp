@@ -31,7 +31,8 @@ GateLimits limits_of(const Config& config) {
 /// With fibers.model = "none" every fibre must be zero instead of unit.
 Gate gate_no_fibres(const LeafletMesh& mesh) {
   const FiberReport report = check_fibers(mesh, FiberModel::none);
-  Gate gate{"leaflets.fibre_defect", report.passed, report.passed ? 0.0 : 1.0, 0, "==", "", report.first_bad_element, report.message};
+  Gate gate{"leaflets.fibre_defect",  report.passed, report.passed ? 0.0 : 1.0, 0, "==", "",
+            report.first_bad_element, report.message};
   if (gate.passed) gate.message = "no fibres, as asked for by fibers.model = \"none\"";
   return gate;
 }

@@ -36,7 +36,8 @@ Vec3 tip_of(const Config& config, const char* key) {
   return Vec3(metres[0], metres[1], metres[2]) / unit_factor("mm");
 }
 
-/// Tips of the configuration, moved from the valve's own frame (x = anterior x normal reversed, y anterior, z against the normal).
+/// Tips of the configuration, moved from the valve's own frame (x = anterior x normal reversed, y anterior, z against the
+/// normal).
 Papillary tips_in_frame(const Config& config, const GenericValve& valve) {
   const Vec3 z = -valve.annulus.normal, y = valve.anterior_direction, x = y.cross(z);
   Papillary papillary;
@@ -51,7 +52,8 @@ Papillary tips_in_frame(const Config& config, const GenericValve& valve) {
 std::optional<Vec3> given_anterior_direction(const Config& config) {
   if (config.is_auto("generic.anterior_direction")) return std::nullopt;
   const auto& d = config.numbers("generic.anterior_direction");
-  if (Vec3(d[0], d[1], d[2]).norm() == 0) throw ConfigError("key 'generic.anterior_direction' is the zero vector: expected a direction");
+  if (Vec3(d[0], d[1], d[2]).norm() == 0)
+    throw ConfigError("key 'generic.anterior_direction' is the zero vector: expected a direction");
   return Vec3(d[0], d[1], d[2]);
 }
 
@@ -60,16 +62,18 @@ GenericValve valve_on_real_annulus(const Config& config, const std::vector<Vec3>
   std::vector<Vec3> curve = clean_closed_curve(read_points_csv(config.path("generic.annulus")), &curve_report);
   const auto harmonics = static_cast<int>(config.integer("generic.smoothing_harmonics"));
   if (harmonics > 0) curve = smooth_closed_curve(curve, harmonics, 720, &curve_report);
-  spdlog::info("annulus: {} points read, {} duplicates and {} spikes removed, smoothing moved it by {:.2f} mm rms, {:.2f} mm at most",
-               curve_report.points_read, curve_report.duplicates_removed, curve_report.spikes_removed, curve_report.smoothing_rms,
-               curve_report.smoothing_max);
+  spdlog::info(
+      "annulus: {} points read, {} duplicates and {} spikes removed, smoothing moved it by {:.2f} mm rms, {:.2f} mm at most",
+      curve_report.points_read, curve_report.duplicates_removed, curve_report.spikes_removed, curve_report.smoothing_rms,
+      curve_report.smoothing_max);
   NormalHints hints;
   hints.papillary_points = papillary_points;
   const Annulus annulus = fit_annulus(curve, hints);
   const auto given = given_anterior_direction(config);
   if (!given && papillary_points.empty()) {
     throw ConfigError(
-        "key 'generic.anterior_direction' is \"auto\": a real annulus without generic.papillary does not tell where the anterior leaflet "
+        "key 'generic.anterior_direction' is \"auto\": a real annulus without generic.papillary does not tell where the anterior "
+        "leaflet "
         "lies; expected a vector such as [0, 1, 0] or a papillary CSV");
   }
   const AnteriorDirection anterior = find_anterior_direction(annulus, papillary_points, given);
@@ -95,8 +99,9 @@ SourceGeometry make_generic_source(const Config& config) {
   source.scale = valve.scale;
   source.papillary = papillary_points.empty() ? tips_in_frame(config, valve)
                                               : group_papillary_points(papillary_points, valve.annulus, valve.anterior_direction);
-  source.summary = fmt::format("{} points, {} triangles, edges {:.2f} to {:.2f} mm, smallest angle {:.0f} deg", valve.report.points,
-                               valve.report.triangles, valve.report.edge_min, valve.report.edge_max, valve.report.angle_min);
+  source.summary =
+      fmt::format("{} points, {} triangles, edges {:.2f} to {:.2f} mm, smallest angle {:.0f} deg", valve.report.points,
+                  valve.report.triangles, valve.report.edge_min, valve.report.edge_max, valve.report.angle_min);
   return source;
 }
 

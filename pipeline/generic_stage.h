@@ -8,7 +8,8 @@
 
 namespace mv {
 
-/// Reads the configuration (and the CSV files it names), builds the mid-surface and the papillary tips. Writes mid_surface.vtp, papillary.vtp.
+/// Reads the configuration (and the CSV files it names), builds the mid-surface and the papillary tips. Writes mid_surface.vtp,
+/// papillary.vtp.
 std::string run_generic_stage(const StageContext& context);
 
 /// The same without files.

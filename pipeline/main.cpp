@@ -21,7 +21,8 @@ void add_settings(CLI::App& command, std::vector<std::string>& settings) {
 }
 
 void add_config_and_case(CLI::App& command, mv::RunOptions& options) {
-  command.add_option("-c,--config", options.config, "Configuration (TOML); `mvprep config` prints one with every key")->required();
+  command.add_option("-c,--config", options.config, "Configuration (TOML); `mvprep config` prints one with every key")
+      ->required();
   command.add_option("-o,--output", options.case_directory, "Case directory to write")->required();
   add_settings(command, options.settings);
 }

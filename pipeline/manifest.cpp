@@ -36,7 +36,8 @@ const StageRecord* last_writer(const std::string& file, const Manifest& manifest
 }
 
 bool is_under(const std::string& key, const std::vector<std::string>& prefixes) {
-  return std::any_of(prefixes.begin(), prefixes.end(), [&](const std::string& p) { return key == p || key.starts_with(p + "."); });
+  return std::any_of(prefixes.begin(), prefixes.end(),
+                     [&](const std::string& p) { return key == p || key.starts_with(p + "."); });
 }
 
 }  // namespace
@@ -50,7 +51,8 @@ Manifest read_manifest(const std::filesystem::path& case_directory) {
     if (json.at("manifest_version").get<int>() != manifest_version) return manifest;
     manifest.inputs = json.at("inputs").get<std::map<std::string, std::string>>();
     for (const auto& [name, record] : json.at("stages").items()) {
-      manifest.stages[name] = {record.at("key").get<std::string>(), record.at("outputs").get<std::map<std::string, std::string>>()};
+      manifest.stages[name] = {record.at("key").get<std::string>(),
+                               record.at("outputs").get<std::map<std::string, std::string>>()};
     }
   } catch (const nlohmann::json::exception& e) {
     throw InputError(file.string() + ": damaged (" + e.what() + "); delete it and run mvprep again");
@@ -97,18 +99,21 @@ std::string stage_key(const Stage& stage, const Config& config, const Manifest& 
   return sha256(text);
 }
 
-bool is_up_to_date(const Stage& stage, const Config& config, const Manifest& manifest, const std::filesystem::path& case_directory) {
+bool is_up_to_date(const Stage& stage, const Config& config, const Manifest& manifest,
+                   const std::filesystem::path& case_directory) {
   const auto record = manifest.stages.find(stage.name);
   if (record == manifest.stages.end() || record->second.key.empty()) return false;
   if (record->second.key != stage_key(stage, config, manifest)) return false;
   return std::all_of(stage.outputs.begin(), stage.outputs.end(), [&](const std::string& file) {
     const StageRecord* writer = last_writer(file, manifest);
     const auto path = case_directory / file;
-    return record->second.outputs.contains(file) && std::filesystem::exists(path) && sha256_of_file(path) == writer->outputs.at(file);
+    return record->second.outputs.contains(file) && std::filesystem::exists(path) &&
+           sha256_of_file(path) == writer->outputs.at(file);
   });
 }
 
-std::vector<std::string> changed_outputs(const Stage& stage, const Manifest& manifest, const std::filesystem::path& case_directory) {
+std::vector<std::string> changed_outputs(const Stage& stage, const Manifest& manifest,
+                                         const std::filesystem::path& case_directory) {
   std::vector<std::string> changed;
   for (const std::string& file : stage.outputs) {
     const StageRecord* writer = last_writer(file, manifest);

@@ -18,7 +18,7 @@ struct StageRecord {
 
 struct Manifest {
   std::map<std::string, StageRecord> stages;
-  std::map<std::string, std::string> inputs;   // file in the case's inputs/ -> SHA-256
+  std::map<std::string, std::string> inputs;  // file in the case's inputs/ -> SHA-256
 };
 
 /// Empty when there is none or it is of another version; InputError when it is damaged.
@@ -27,14 +27,16 @@ Manifest read_manifest(const std::filesystem::path& case_directory);
 /// Writes stages, inputs, the resolved options and the versions of program and libraries. Throws IoError.
 void write_manifest(const std::filesystem::path& case_directory, const Manifest& manifest, const Config& config);
 
-/// Hash of all that decides a stage's result: its name, the program's build, the values of its configuration keys, the files these name, and what
-/// the stages it needs have written. Empty when one of those has not run.
+/// Hash of all that decides a stage's result: its name, the program's build, the values of its configuration keys, the files
+/// these name, and what the stages it needs have written. Empty when one of those has not run.
 std::string stage_key(const Stage& stage, const Config& config, const Manifest& manifest);
 
 /// Whether the recorded key is the present one and every output is on disk as the last stage that writes it has left it.
-bool is_up_to_date(const Stage& stage, const Config& config, const Manifest& manifest, const std::filesystem::path& case_directory);
+bool is_up_to_date(const Stage& stage, const Config& config, const Manifest& manifest,
+                   const std::filesystem::path& case_directory);
 
 /// Outputs of the stage that exist but differ from what was recorded: edited by hand, or damaged.
-std::vector<std::string> changed_outputs(const Stage& stage, const Manifest& manifest, const std::filesystem::path& case_directory);
+std::vector<std::string> changed_outputs(const Stage& stage, const Manifest& manifest,
+                                         const std::filesystem::path& case_directory);
 
 }  // namespace mv

@@ -19,7 +19,8 @@ LeafletMesh make_mesh(const Config& config, const SourceGeometry& source) {
 std::string run_mesh_stage(const StageContext& context) {
   const LeafletMesh mesh = make_mesh(context.config, read_source(context.in("mid_surface.vtp")));
   write_leaflets(context.out("leaflets.vtu"), mesh);
-  return fmt::format("{} points, {} {} tetrahedra", mesh.points.size(), mesh.tets.size(), mesh.order == 2 ? "quadratic" : "linear");
+  return fmt::format("{} points, {} {} tetrahedra", mesh.points.size(), mesh.tets.size(),
+                     mesh.order == 2 ? "quadratic" : "linear");
 }
 
 }  // namespace mv

@@ -8,7 +8,8 @@
 
 namespace mv {
 
-/// Thickens the mid-surface to layers of tetrahedra. Writes leaflets.vtu, with fibres along the annulus until the stage fibers has run.
+/// Thickens the mid-surface to layers of tetrahedra. Writes leaflets.vtu, with fibres along the annulus until the stage fibers
+/// has run.
 std::string run_mesh_stage(const StageContext& context);
 
 /// The same without files.

@@ -15,16 +15,16 @@ namespace {
 // Measured on two cores: 9 ms a step for 100k cells and 76k linear tetrahedra, of which the fluid takes 3.7 ms.
 constexpr double seconds_per_cell = 37e-9;
 constexpr double seconds_per_linear_tet = 70e-9;
-constexpr double quadratic_factor = 5;           // ten nodes and four integration points
+constexpr double quadratic_factor = 5;  // ten nodes and four integration points
 
 // Measured: 1e-5 s is stable, 1.5e-5 s is not, at 0.5 mm with chordae of 20 MPa.
 constexpr double reference_step = 1e-5;
-constexpr double reference_spacing = 0.5;        // mm
-constexpr double reference_stiffness = 20e6;     // Pa
+constexpr double reference_spacing = 0.5;     // mm
+constexpr double reference_stiffness = 20e6;  // Pa
 
-constexpr double bytes_per_cell = 200;           // 25 doubles: velocities and their stages, pressure, transforms, forces
-constexpr double bytes_per_tet = 500;            // connectivity, shape gradients, fibre frame, stress, output
-constexpr double bytes_per_point = 400;          // positions, velocities, forces, kernel weights, contact lists
+constexpr double bytes_per_cell = 200;   // 25 doubles: velocities and their stages, pressure, transforms, forces
+constexpr double bytes_per_tet = 500;    // connectivity, shape gradients, fibre frame, stress, output
+constexpr double bytes_per_point = 400;  // positions, velocities, forces, kernel weights, contact lists
 constexpr double bytes_of_program = 80e6;
 
 double mean_edge(const MidSurface& surface) {
@@ -41,9 +41,11 @@ double mean_edge(const MidSurface& surface) {
 
 Prediction predict_run(const Config& config, const CaseSize& size) {
   Prediction p;
-  const auto cells = static_cast<double>(size.fluid_cells), tets = static_cast<double>(size.tets), points = static_cast<double>(size.points);
+  const auto cells = static_cast<double>(size.fluid_cells), tets = static_cast<double>(size.tets),
+             points = static_cast<double>(size.points);
   const double order_factor = size.order == 2 ? quadratic_factor : 1;
-  p.memory_mb = (bytes_of_program + bytes_per_cell * cells + bytes_per_tet * tets * order_factor + bytes_per_point * points) / 1e6;
+  p.memory_mb =
+      (bytes_of_program + bytes_per_cell * cells + bytes_per_tet * tets * order_factor + bytes_per_point * points) / 1e6;
   p.seconds_per_step = seconds_per_cell * cells + seconds_per_linear_tet * tets * order_factor;
 
   const double node_distance = size.edge_mean / (size.order == 2 ? 2 : 1);

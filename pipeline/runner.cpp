@@ -33,8 +33,8 @@ void forget_completions(const Stage& stage, Manifest& manifest) {
   }
 }
 
-/// Runs the stage in a directory of its own and takes its files into the case. Without `is_repeatable` the record says that it can never
-/// be skipped.
+/// Runs the stage in a directory of its own and takes its files into the case. Without `is_repeatable` the record says that it
+/// can never be skipped.
 void execute(const Stage& stage, const Config& config, const std::filesystem::path& case_directory, Manifest& manifest,
              const OnStage& on_stage, bool is_repeatable = true) {
   spdlog::debug("stage {}: {}", stage.name, stage.help);

@@ -16,12 +16,12 @@ struct StageReport {
   std::string stage;
   bool skipped = false;
   double seconds = 0;
-  std::string result;    // one line from the stage
+  std::string result;  // one line from the stage
 };
 using OnStage = std::function<void(const StageReport&)>;
 
-/// All stages in order. Those from `from` on run in any case. When one fails, its outputs and those of the stages that depend on it
-/// are removed, so that no case remains whose parts do not belong together; quality.json of failed gates stays.
+/// All stages in order. Those from `from` on run in any case. When one fails, its outputs and those of the stages that depend on
+/// it are removed, so that no case remains whose parts do not belong together; quality.json of failed gates stays.
 void run_all_stages(const Config& config, const std::filesystem::path& case_directory, Manifest manifest,
                     const std::optional<std::string>& from, const OnStage& on_stage);
 

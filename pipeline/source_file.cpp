@@ -18,8 +18,10 @@ namespace {
 
 using Place = DatasetReader::Place;
 
-const ArrayUnits units = {{"points", "mm"}, {"normal", "1"}, {"unfolded", "mm"}, {"annulus", "1"}, {"free_edge", "1"}, {"region", "1"},
-                          {"perimeter", "mm"}, {"axis", "1"}, {"annulus_curve", "mm"}, {"anterior_direction", "1"}, {"scale", "1"}};
+const ArrayUnits units = {
+    {"points", "mm"}, {"normal", "1"},     {"unfolded", "mm"}, {"annulus", "1"},        {"free_edge", "1"},
+    {"region", "1"},  {"perimeter", "mm"}, {"axis", "1"},      {"annulus_curve", "mm"}, {"anterior_direction", "1"},
+    {"scale", "1"}};
 
 std::vector<double> flat(const std::vector<Vec3>& vectors) {
   std::vector<double> out;

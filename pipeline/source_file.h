@@ -13,11 +13,11 @@ namespace mv {
 
 struct SourceGeometry {
   MidSurface surface;
-  std::vector<Vec3> annulus_curve;                // closed, ordered, smooth, mm
-  Vec3 anterior_direction = Vec3::UnitY();        // unit, in the annulus plane
-  double scale = 1;                               // lengths of the pattern over those of the configuration
-  Papillary papillary;                            // written to papillary.vtp
-  std::string summary;                            // one line for the user; not written
+  std::vector<Vec3> annulus_curve;          // closed, ordered, smooth, mm
+  Vec3 anterior_direction = Vec3::UnitY();  // unit, in the annulus plane
+  double scale = 1;                         // lengths of the pattern over those of the configuration
+  Papillary papillary;                      // written to papillary.vtp
+  std::string summary;                      // one line for the user; not written
 };
 
 /// Everything but papillary and summary. Throws IoError.

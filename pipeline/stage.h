@@ -11,8 +11,8 @@
 
 namespace mv {
 
-/// What a stage is given. It reads parts of the case through in() and writes new ones to out(), a directory that becomes part of the case
-/// only when the stage succeeds.
+/// What a stage is given. It reads parts of the case through in() and writes new ones to out(), a directory that becomes part of
+/// the case only when the stage succeeds.
 struct StageContext {
   const Config& config;
   std::filesystem::path case_directory;
@@ -25,9 +25,9 @@ struct StageContext {
 struct Stage {
   std::string name;
   std::string help;
-  std::vector<std::string> config_keys;   // prefixes of the keys that decide the result
-  std::vector<std::string> needs;         // stages whose outputs are read
-  std::vector<std::string> outputs;       // files in the case; a file named by two stages is completed by the later one
+  std::vector<std::string> config_keys;     // prefixes of the keys that decide the result
+  std::vector<std::string> needs;           // stages whose outputs are read
+  std::vector<std::string> outputs;         // files in the case; a file named by two stages is completed by the later one
   std::string (*run)(const StageContext&);  // returns one line on what came out
 };
 

@@ -8,7 +8,8 @@
 
 namespace mv {
 
-Tube make_tube(const Config& config, const Annulus& annulus, const LeafletMesh& mesh, const Papillary& papillary, TubeReport* report) {
+Tube make_tube(const Config& config, const Annulus& annulus, const LeafletMesh& mesh, const Papillary& papillary,
+               TubeReport* report) {
   TubeOptions options;
   options.length_ventricle = config.number_in("tube.length_ventricle", "mm");
   options.length_atrium = config.number_in("tube.length_atrium", "mm");
@@ -29,8 +30,8 @@ std::string run_tube_stage(const StageContext& context) {
   write_tube(context.out("tube.vtu"), tube);
   const auto& n = tube.grid_cells;
   return fmt::format("{} fluid cells ({} x {} x {}) of {} mm, {} hexahedra, wall {:.2f} to {:.2f} mm from the annulus",
-                     static_cast<long>(n[0]) * n[1] * n[2], n[0], n[1], n[2], tube.grid_spacing, tube.hexes.size(), report.gap_min,
-                     report.gap_max);
+                     static_cast<long>(n[0]) * n[1] * n[2], n[0], n[1], n[2], tube.grid_spacing, tube.hexes.size(),
+                     report.gap_min, report.gap_max);
 }
 
 }  // namespace mv

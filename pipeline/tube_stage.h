@@ -12,6 +12,7 @@ namespace mv {
 std::string run_tube_stage(const StageContext& context);
 
 /// The same without files.
-Tube make_tube(const Config& config, const Annulus& annulus, const LeafletMesh& mesh, const Papillary& papillary, TubeReport* report);
+Tube make_tube(const Config& config, const Annulus& annulus, const LeafletMesh& mesh, const Papillary& papillary,
+               TubeReport* report);
 
 }  // namespace mv

@@ -59,7 +59,9 @@ Annulus fit_annulus(const std::vector<Vec3>& closed_curve, const NormalHints& hi
     throw InputError("annulus: the points lie on a line, no plane can be fitted");
   annulus.normal = solver.eigenvectors().col(0).normalized();
   annulus.axis_major = solver.eigenvectors().col(2).normalized();
-  annulus.residual_rms = std::sqrt(std::max(0.0, annulus.eigenvalues[2]));
+  double squares = 0;
+  for (const Vec3& p : closed_curve) squares += std::pow((p - annulus.origin).dot(annulus.normal), 2);
+  annulus.residual_rms = std::sqrt(squares / static_cast<double>(closed_curve.size()));
 
   Vec3 towards = -Vec3::UnitZ();
   annulus.sign_rule = "assumed -z (superior is atrial)";
@@ -72,8 +74,9 @@ Annulus fit_annulus(const std::vector<Vec3>& closed_curve, const NormalHints& hi
   }
   const double cosine = towards.norm() > 0 ? annulus.normal.dot(towards) / towards.norm() : 0;
   if (std::abs(cosine) < in_plane_cosine)
-    throw InputError("annulus: the rule '" + annulus.sign_rule +
-                     "' does not tell the ventricular side, the direction lies in the annulus plane; give papillary points or a direction");
+    throw InputError(
+        "annulus: the rule '" + annulus.sign_rule +
+        "' does not tell the ventricular side, the direction lies in the annulus plane; give papillary points or a direction");
   if (cosine < 0) annulus.normal = -annulus.normal;
   // The largest component of the major axis is positive, so that the frame does not depend on the eigensolver.
   Eigen::Index largest = 0;
@@ -107,12 +110,18 @@ AnteriorDirection find_anterior_direction(const Annulus& annulus, const std::vec
     result.confidence = std::abs(offset);
     return result;
   }
-  double height_ahead = 0, height_behind = 0;   // towards the atrium
+  double height_ahead = 0, height_behind = 0;  // towards the atrium
   double best_ahead = -1e300, best_behind = -1e300;
   for (const Vec3& p : annulus.points) {
     const Vec3 d = p - annulus.origin;
-    if (d.dot(candidate) > best_ahead) { best_ahead = d.dot(candidate); height_ahead = -d.dot(annulus.normal); }
-    if (-d.dot(candidate) > best_behind) { best_behind = -d.dot(candidate); height_behind = -d.dot(annulus.normal); }
+    if (d.dot(candidate) > best_ahead) {
+      best_ahead = d.dot(candidate);
+      height_ahead = -d.dot(annulus.normal);
+    }
+    if (-d.dot(candidate) > best_behind) {
+      best_behind = -d.dot(candidate);
+      height_behind = -d.dot(annulus.normal);
+    }
   }
   result.direction = height_ahead >= height_behind ? candidate : Vec3(-candidate);
   result.rule = "anterior horn is higher";
@@ -121,7 +130,8 @@ AnteriorDirection find_anterior_direction(const Annulus& annulus, const std::vec
 }
 
 Papillary group_papillary_points(const std::vector<Vec3>& points, const Annulus& annulus, const Vec3& anterior_direction) {
-  if (points.size() < 2) throw InputError("papillary points: at least two are needed, " + std::to_string(points.size()) + " given");
+  if (points.size() < 2)
+    throw InputError("papillary points: at least two are needed, " + std::to_string(points.size()) + " given");
   std::size_t a = 0, b = 0;
   double farthest = 0;
   for (std::size_t i = 0; i < points.size(); ++i)

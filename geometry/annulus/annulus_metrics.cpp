@@ -30,12 +30,13 @@ std::pair<Vec3, Vec3> crossing(const ClosedCurve& curve, const Vec3& origin, con
 
 double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * (b - a).cross(c - a).norm(); }
 
-/// Area of the surface whose height continues the rim's harmonically into the disc (rings scaled towards the centre): exact for a plane curve,
-/// elsewhere an upper bound of the minimal surface, above it by the order (height / radius)^4.
+/// Area of the surface whose height continues the rim's harmonically into the disc (rings scaled towards the centre): exact for a
+/// plane curve, elsewhere an upper bound of the minimal surface, above it by the order (height / radius)^4.
 double soap_film_area(const ClosedCurve& curve, const Vec3& origin, const Vec3& normal) {
   std::vector<Vec3> rim = curve.resampled(rim_points);
   std::vector<double> height(rim_points);
-  for (int i = 0; i < rim_points; ++i) height[static_cast<std::size_t>(i)] = (rim[static_cast<std::size_t>(i)] - origin).dot(normal);
+  for (int i = 0; i < rim_points; ++i)
+    height[static_cast<std::size_t>(i)] = (rim[static_cast<std::size_t>(i)] - origin).dot(normal);
   // Fourier continuation of the rim height into the disc: h(r, t) = sum r^k (a_k cos kt + b_k sin kt), harmonic.
   using std::numbers::pi;
   constexpr int modes = 24;

@@ -91,7 +91,8 @@ ClosedCurve::ClosedCurve(const std::vector<Vec3>& ordered, int samples) {
   if (ordered.size() < fewest_points) throw InputError("closed curve: at least 8 points are needed");
   const std::size_t n = ordered.size();
   for (std::size_t i = 0; i < n; ++i)
-    if (!((ordered[(i + 1) % n] - ordered[i]).norm() > 0)) throw InputError("closed curve: repeated or non-finite point " + std::to_string(i));
+    if (!((ordered[(i + 1) % n] - ordered[i]).norm() > 0))
+      throw InputError("closed curve: repeated or non-finite point " + std::to_string(i));
   const int per_interval = std::max(2, 2 * samples / static_cast<int>(n));
   std::vector<Vec3> dense;
   for (std::size_t i = 0; i < n; ++i)
@@ -132,7 +133,10 @@ double ClosedCurve::closest(const Vec3& x) const {
   double lower = (static_cast<double>(best) - 1) * h, upper = (static_cast<double>(best) + 1) * h;
   for (int k = 0; k < 60; ++k) {
     const double a = lower + (upper - lower) / 3, b = upper - (upper - lower) / 3;
-    if ((at(a) - x).squaredNorm() < (at(b) - x).squaredNorm()) upper = b; else lower = a;
+    if ((at(a) - x).squaredNorm() < (at(b) - x).squaredNorm())
+      upper = b;
+    else
+      lower = a;
   }
   const double u = 0.5 * (lower + upper);
   return u < 0 ? u + length_ : (u >= length_ ? u - length_ : u);
@@ -155,7 +159,8 @@ std::vector<Vec3> smooth_closed_curve(const std::vector<Vec3>& ordered, int harm
       // Lanczos factor for the upper half of the spectrum only: the shape-carrying low modes stay untouched.
       const double over = std::max(0.0, 2.0 * k / (harmonics + 1) - 1.0);
       const double damping = over > 0 ? std::sin(pi * over) / (pi * over) : 1.0;
-      x += damping * (cosine[static_cast<std::size_t>(k)] * std::cos(2 * pi * k * t) + sine[static_cast<std::size_t>(k)] * std::sin(2 * pi * k * t));
+      x += damping * (cosine[static_cast<std::size_t>(k)] * std::cos(2 * pi * k * t) +
+                      sine[static_cast<std::size_t>(k)] * std::sin(2 * pi * k * t));
     }
     return x;
   };

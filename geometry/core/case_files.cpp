@@ -62,27 +62,31 @@ void check_finite(const std::vector<Vec3>& points, const std::string& what) {
 
 Vec3 field_vector(const DatasetReader& in, const std::string& name) { return vectors<3>(in.reals(Place::field, name, 3, 1))[0]; }
 double field_number(const DatasetReader& in, const std::string& name) { return in.reals(Place::field, name, 1, 1)[0]; }
-void add_vector(vtkFieldData* field, const std::string& name, const Vec3& v) { field->AddArray(real_array(name, {v.data(), 3}, 3)); }
+void add_vector(vtkFieldData* field, const std::string& name, const Vec3& v) {
+  field->AddArray(real_array(name, {v.data(), 3}, 3));
+}
 void add_number(vtkFieldData* field, const std::string& name, double v) { field->AddArray(real_array(name, {&v, 1})); }
 
 void expect_units(const DatasetReader& in, const ArrayUnits& units) {
   for (const auto& [name, unit] : units) in.expect_unit(name, unit);
 }
 
-const ArrayUnits leaflet_units = {{"points", "mm"}, {"region", "1"}, {"layer", "1"}, {"fibre", "1"}, {"sheet_normal", "1"},
-                                  {"annulus", "1"}, {"free_edge", "1"}, {"side", "1"}, {"unfolded", "mm"}};
-const ArrayUnits chordae_units = {{"points", "mm"}, {"muscle_of_point", "1"}, {"kind", "1"}, {"muscle", "1"}, {"leaflet", "1"},
-                                  {"rest_length", "mm"}, {"area", "mm2"}, {"insertion_point", "1"}, {"insertion_node", "1"},
-                                  {"insertion_weight", "1"}};
-const ArrayUnits tube_units = {{"points", "mm"}, {"origin", "mm"}, {"axes", "1"}, {"cross_section", "mm"}, {"z_ventricle", "mm"},
-                               {"z_atrium", "mm"}, {"grid_lower", "mm"}, {"grid_cells", "1"}, {"grid_spacing", "mm"}};
-const ArrayUnits annulus_units = {{"points", "mm"}, {"origin", "mm"}, {"normal", "1"}, {"axis_major", "1"}, {"residual_rms", "mm"},
-                                  {"eigenvalues", "mm2"}};
+const ArrayUnits leaflet_units = {{"points", "mm"}, {"region", "1"},    {"layer", "1"}, {"fibre", "1"},    {"sheet_normal", "1"},
+                                  {"annulus", "1"}, {"free_edge", "1"}, {"side", "1"},  {"unfolded", "mm"}};
+const ArrayUnits chordae_units = {{"points", "mm"},        {"muscle_of_point", "1"}, {"kind", "1"},   {"muscle", "1"},
+                                  {"leaflet", "1"},        {"rest_length", "mm"},    {"area", "mm2"}, {"insertion_point", "1"},
+                                  {"insertion_node", "1"}, {"insertion_weight", "1"}};
+const ArrayUnits tube_units = {{"points", "mm"},        {"origin", "mm"},      {"axes", "1"},
+                               {"cross_section", "mm"}, {"z_ventricle", "mm"}, {"z_atrium", "mm"},
+                               {"grid_lower", "mm"},    {"grid_cells", "1"},   {"grid_spacing", "mm"}};
+const ArrayUnits annulus_units = {{"points", "mm"},    {"origin", "mm"},       {"normal", "1"},
+                                  {"axis_major", "1"}, {"residual_rms", "mm"}, {"eigenvalues", "mm2"}};
 const ArrayUnits papillary_units = {{"points", "mm"}};
 
 void check_rotation(const DatasetReader& in, const Mat3& axes) {
   constexpr double tolerance = 1e-6;
-  if ((axes * axes.transpose() - Mat3::Identity()).norm() > tolerance || axes.determinant() < 0) in.fail("axes", "is not a rotation");
+  if ((axes * axes.transpose() - Mat3::Identity()).norm() > tolerance || axes.determinant() < 0)
+    in.fail("axes", "is not a rotation");
 }
 
 }  // namespace
@@ -135,13 +139,16 @@ LeafletMesh read_leaflets(const std::filesystem::path& file) {
   mesh.tets.resize(static_cast<std::size_t>(cells));
   vtkNew<vtkIdList> ids;
   for (vtkIdType c = 0; c < cells; ++c) {
-    if (grid->GetCellType(c) != expected_type) in.fail("types", "mixes kinds of cells (cell " + std::to_string(c) + "); expected tetrahedra");
+    if (grid->GetCellType(c) != expected_type)
+      in.fail("types", "mixes kinds of cells (cell " + std::to_string(c) + "); expected tetrahedra");
     grid->GetCellPoints(c, ids);
-    if (ids->GetNumberOfIds() != mesh.nodes_per_tet()) in.fail("connectivity", "has a wrong number of points in cell " + std::to_string(c));
+    if (ids->GetNumberOfIds() != mesh.nodes_per_tet())
+      in.fail("connectivity", "has a wrong number of points in cell " + std::to_string(c));
     auto& tet = mesh.tets[static_cast<std::size_t>(c)];
     tet.fill(-1);
     for (int i = 0; i < mesh.nodes_per_tet(); ++i) {
-      if (ids->GetId(i) < 0 || ids->GetId(i) >= points) in.fail("connectivity", "names a point that does not exist in cell " + std::to_string(c));
+      if (ids->GetId(i) < 0 || ids->GetId(i) >= points)
+        in.fail("connectivity", "names a point that does not exist in cell " + std::to_string(c));
       tet[static_cast<std::size_t>(i)] = static_cast<int>(ids->GetId(i));
     }
   }
@@ -217,8 +224,13 @@ Chordae read_chordae(const std::filesystem::path& file) {
     data->GetLines()->GetCellAtId(c, ids);
     if (ids->GetNumberOfIds() != 2) in.fail("connectivity", "has a line without two ends, number " + std::to_string(c));
     const auto i = static_cast<std::size_t>(c);
-    ChordaSegment s{static_cast<int>(ids->GetId(0)), static_cast<int>(ids->GetId(1)), static_cast<ChordaKind>(kind[i]), muscle[i],
-                    leaflet[i], rest_length[i], area[i]};
+    ChordaSegment s{static_cast<int>(ids->GetId(0)),
+                    static_cast<int>(ids->GetId(1)),
+                    static_cast<ChordaKind>(kind[i]),
+                    muscle[i],
+                    leaflet[i],
+                    rest_length[i],
+                    area[i]};
     if (ids->GetId(0) < 0 || ids->GetId(0) >= points || ids->GetId(1) < 0 || ids->GetId(1) >= points) {
       in.fail("connectivity", "names a point that does not exist in line " + std::to_string(c));
     }
@@ -272,10 +284,12 @@ Tube read_tube(const std::filesystem::path& file) {
   vtkNew<vtkIdList> ids;
   for (vtkIdType c = 0; c < grid->GetNumberOfCells(); ++c) {
     grid->GetCellPoints(c, ids);
-    if (grid->GetCellType(c) != VTK_HEXAHEDRON || ids->GetNumberOfIds() != 8) in.fail("types", "holds a cell that is no hexahedron, number " + std::to_string(c));
+    if (grid->GetCellType(c) != VTK_HEXAHEDRON || ids->GetNumberOfIds() != 8)
+      in.fail("types", "holds a cell that is no hexahedron, number " + std::to_string(c));
     auto& hex = tube.hexes.emplace_back();
     for (int i = 0; i < 8; ++i) {
-      if (ids->GetId(i) < 0 || ids->GetId(i) >= points) in.fail("connectivity", "names a point that does not exist in cell " + std::to_string(c));
+      if (ids->GetId(i) < 0 || ids->GetId(i) >= points)
+        in.fail("connectivity", "names a point that does not exist in cell " + std::to_string(c));
       hex[static_cast<std::size_t>(i)] = static_cast<int>(ids->GetId(i));
     }
   }
@@ -301,7 +315,8 @@ void write_annulus(const std::filesystem::path& file, const Annulus& annulus) {
   data->SetPoints(points_of(annulus.points));
   vtkNew<vtkCellArray> lines;
   std::vector<vtkIdType> loop;
-  for (std::size_t i = 0; i <= annulus.points.size(); ++i) loop.push_back(static_cast<vtkIdType>(i % std::max<std::size_t>(annulus.points.size(), 1)));
+  for (std::size_t i = 0; i <= annulus.points.size(); ++i)
+    loop.push_back(static_cast<vtkIdType>(i % std::max<std::size_t>(annulus.points.size(), 1)));
   if (!annulus.points.empty()) lines->InsertNextCell(static_cast<vtkIdType>(loop.size()), loop.data());
   data->SetLines(lines);
   vtkFieldData* field = data->GetFieldData();
@@ -360,7 +375,8 @@ Papillary read_papillary(const std::filesystem::path& file) {
   Papillary papillary;
   papillary.tips = vectors<3>(in.coordinates());
   papillary.names = in.texts("names");
-  if (papillary.names.size() != papillary.tips.size()) in.fail("names", "has " + std::to_string(papillary.names.size()) + " entries, expected one per point");
+  if (papillary.names.size() != papillary.tips.size())
+    in.fail("names", "has " + std::to_string(papillary.names.size()) + " entries, expected one per point");
   return papillary;
 }
 

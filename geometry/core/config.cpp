@@ -39,10 +39,14 @@ std::string written(const toml::node& node) {
 RawValue raw_value(const toml::node& node) {
   RawValue raw;
   raw.written = written(node);
-  if (const auto* b = node.as_boolean()) raw.kind = Kind::boolean, raw.boolean = b->get();
-  else if (const auto* i = node.as_integer()) raw.kind = Kind::integer, raw.integer = static_cast<long>(i->get());
-  else if (const auto* f = node.as_floating_point()) raw.kind = Kind::real, raw.real = f->get();
-  else if (const auto* s = node.as_string()) raw.kind = Kind::text, raw.text = s->get();
+  if (const auto* b = node.as_boolean())
+    raw.kind = Kind::boolean, raw.boolean = b->get();
+  else if (const auto* i = node.as_integer())
+    raw.kind = Kind::integer, raw.integer = static_cast<long>(i->get());
+  else if (const auto* f = node.as_floating_point())
+    raw.kind = Kind::real, raw.real = f->get();
+  else if (const auto* s = node.as_string())
+    raw.kind = Kind::text, raw.text = s->get();
   else if (const auto* list = node.as_array()) {
     raw.kind = Kind::list;
     for (const toml::node& item : *list) raw.list.push_back(raw_value(item));
@@ -64,7 +68,8 @@ bool is_section(const std::string& name) {
 
 [[noreturn]] void refuse_unknown(const std::string& name, const std::string& value, const std::string& where) {
   if (is_section(name)) {
-    throw ConfigError(where + ": '" + name + "' has the value " + value + ": expected a section with keys, such as [" + name + "]");
+    throw ConfigError(where + ": '" + name + "' has the value " + value + ": expected a section with keys, such as [" + name +
+                      "]");
   }
   std::vector<std::string> names;
   for (const ConfigKey& key : config_schema()) {
@@ -72,8 +77,8 @@ bool is_section(const std::string& name) {
     if (names.empty() || !names.back().starts_with(section + ".")) names.push_back(section);
     names.push_back(key.name);
   }
-  throw ConfigError(where + ": unknown key '" + name + "'" + (value.empty() ? "" : " (value " + value + ")") + "; did you mean '" +
-                    nearest_name(name, names) + "'? expected one of the keys that `mvprep config` lists");
+  throw ConfigError(where + ": unknown key '" + name + "'" + (value.empty() ? "" : " (value " + value + ")") +
+                    "; did you mean '" + nearest_name(name, names) + "'? expected one of the keys that `mvprep config` lists");
 }
 
 using Assign = std::function<void(const ConfigKey&, ConfigValue)>;
@@ -85,8 +90,9 @@ void read_table(const toml::table& table, const std::string& prefix, const std::
     if (prefix.empty() && name == "format_version") {
       const auto format = node.value_exact<std::int64_t>();
       if (!format || *format < 1 || *format > case_format_version) {
-        throw ConfigError(where + ": key 'format_version' has the value " + written(node) + ": expected a whole number from 1 to " +
-                          std::to_string(case_format_version) + ", the formats this program reads");
+        throw ConfigError(where + ": key 'format_version' has the value " + written(node) +
+                          ": expected a whole number from 1 to " + std::to_string(case_format_version) +
+                          ", the formats this program reads");
       }
     } else if (prefix.empty() && name == "provenance" && node.is_table()) {
       continue;
@@ -249,7 +255,9 @@ bool Config::flag(const std::string& key) const { return value_as<bool>(values_,
 long Config::integer(const std::string& key) const { return value_as<long>(values_, key); }
 const std::string& Config::text(const std::string& key) const { return value_as<std::string>(values_, key); }
 const std::vector<double>& Config::numbers(const std::string& key) const { return value_as<std::vector<double>>(values_, key); }
-const std::vector<std::string>& Config::texts(const std::string& key) const { return value_as<std::vector<std::string>>(values_, key); }
+const std::vector<std::string>& Config::texts(const std::string& key) const {
+  return value_as<std::vector<std::string>>(values_, key);
+}
 
 double Config::number(const std::string& key) const {
   const double value = value_as<double>(values_, key);

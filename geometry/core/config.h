@@ -21,15 +21,15 @@ enum class Dimension { none, length, area, volume, time, pressure, density, visc
 using ConfigValue = std::variant<bool, long, double, std::string, std::vector<double>, std::vector<std::string>>;
 
 struct ConfigKey {
-  std::string name;             // dotted, e.g. "mesh.spacing"
-  std::string type;             // "bool" "integer" "number" "string" "choice" "path" "numbers" "integers" "strings"
+  std::string name;  // dotted, e.g. "mesh.spacing"
+  std::string type;  // "bool" "integer" "number" "string" "choice" "path" "numbers" "integers" "strings"
   Dimension dimension = Dimension::none;
-  std::string unit;             // unit in which the value is written back, e.g. "mm"
-  ConfigValue default_value;    // NaN or an empty list stands for "auto"
-  bool can_be_auto = false;     // "auto" (or "") is accepted: the program chooses the value
-  std::size_t count = 0;        // length of a list, 0 for any
+  std::string unit;           // unit in which the value is written back, e.g. "mm"
+  ConfigValue default_value;  // NaN or an empty list stands for "auto"
+  bool can_be_auto = false;   // "auto" (or "") is accepted: the program chooses the value
+  std::size_t count = 0;      // length of a list, 0 for any
   std::vector<std::string> choices;
-  double minimum = -1e300;      // SI, inclusive
+  double minimum = -1e300;  // SI, inclusive
   double maximum = 1e300;
   std::string doc;
 };
@@ -51,25 +51,26 @@ class Config {
   /// Defaults only.
   Config();
 
-  /// Reads and checks a TOML file. A dimensional value is a string with a unit ("1.0 mm"); arrays of them are arrays of such strings.
-  /// Throws ConfigError (file, line, key, value, expected; the nearest known key for an unknown one), IoError when unreadable.
+  /// Reads and checks a TOML file. A dimensional value is a string with a unit ("1.0 mm"); arrays of them are arrays of such
+  /// strings. Throws ConfigError (file, line, key, value, expected; the nearest known key for an unknown one), IoError when
+  /// unreadable.
   static Config from_file(const std::filesystem::path& file);
   /// Besides the schema's keys the file may hold format_version and a table [provenance], which are what case.toml adds.
   static Config from_string(std::string_view toml, const std::string& origin);
 
-  /// Applies "key=value" as given to --set: mesh.spacing=0.5 mm, fibers.model=arc, generic.anterior_direction=[0, 1, 0]; quotes around
-  /// strings are optional. Throws ConfigError.
+  /// Applies "key=value" as given to --set: mesh.spacing=0.5 mm, fibers.model=arc, generic.anterior_direction=[0, 1, 0]; quotes
+  /// around strings are optional. Throws ConfigError.
   void set(const std::string& assignment);
 
   bool flag(const std::string& key) const;
   long integer(const std::string& key) const;
-  double number(const std::string& key) const;             // SI; std::logic_error when automatic: ask is_auto first
+  double number(const std::string& key) const;  // SI; std::logic_error when automatic: ask is_auto first
   double number_in(const std::string& key, const std::string& unit) const;  // e.g. number_in("mesh.spacing", "mm")
   const std::string& text(const std::string& key) const;
-  const std::vector<double>& numbers(const std::string& key) const;         // SI; "integers" too; empty when automatic
+  const std::vector<double>& numbers(const std::string& key) const;  // SI; "integers" too; empty when automatic
   const std::vector<std::string>& texts(const std::string& key) const;
-  bool is_auto(const std::string& key) const;               // the value is left to the program ("auto")
-  bool was_given(const std::string& key) const;             // false when the default stands
+  bool is_auto(const std::string& key) const;    // the value is left to the program ("auto")
+  bool was_given(const std::string& key) const;  // false when the default stands
   /// Value of a "path" key, relative ones taken from base_directory(); empty when the key is empty.
   std::filesystem::path path(const std::string& key) const;
 
@@ -77,8 +78,8 @@ class Config {
   /// Reading it back gives bit-identical values.
   std::string to_toml(bool commented = false) const;
 
-  /// Canonical text of the values under the given key prefixes ("mesh" covers mesh.*, "mesh.layers" itself), for hashing a stage's
-  /// inputs. Paths enter as text: hash the files they name besides.
+  /// Canonical text of the values under the given key prefixes ("mesh" covers mesh.*, "mesh.layers" itself), for hashing a
+  /// stage's inputs. Paths enter as text: hash the files they name besides.
   std::string fingerprint(const std::vector<std::string>& prefixes) const;
 
   /// Directory that relative paths in the file refer to.

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The schema: one row per key. To add a key, add a row; nothing else is needed.
 //
-// type:    flag | integer | number | a dimension (length, area, volume, time, pressure, density, viscosity, force, velocity, angle,
+// type:    flag | integer | number | a dimension (length, area, volume, time, pressure, density, viscosity, force, velocity,
+// angle,
 //          stiffness, flow) | text | path | choice a|b|c
 //          "type[]" or "type[3]" is a list; a trailing "?" lets the value be "auto"
 // default: as in the file, without the quotes; "auto" where the type has "?"
-// range:   "lowest .. highest", either side may be missing; it also names the unit in which the value is written when the default is auto
+// range:   "lowest .. highest", either side may be missing; it also names the unit in which the value is written when the default
+// is auto
 #include <cstring>
 #include <limits>
 #include <stdexcept>
@@ -93,7 +95,7 @@ const Row rows[] = {
     {"leaflet.anterior.hgo_k2", "number", "150", "0 ..", "HGO: K2, exponent"},
     {"leaflet.anterior.hgo_kappa", "number", "0.25", "0 .. 0.3333333333333333", "HGO: dispersion kappa, 0 aligned, 1/3 isotropic"},
     {"leaflet.anterior.ogden_mu", "pressure[]", "[-481836.3 Pa, 484166.6 Pa, 742.8 Pa]", "", "Ogden: mu_i of sum 2 mu_i/alpha_i^2 (l1^alpha_i + l2^alpha_i + l3^alpha_i - 3)"},
-    {"leaflet.anterior.ogden_alpha", "number[]", "[-19.4, -19.3, -25]", "", "Ogden: alpha_i, exponents"},
+    {"leaflet.anterior.ogden_alpha", "number[]", "[-19.36, -19.318, -25]", "", "Ogden: alpha_i, exponents"},
     {"leaflet.anterior.neo_mu", "pressure", "20 kPa", "0 Pa ..", "neo-Hookean: mu of mu/2 (I1-3)"},
     {"leaflet.posterior.law", "choice m1|ogden|hgo|neo_hookean", "m1", "", "tissue law of the posterior leaflet"},
     {"leaflet.posterior.m1_c", "pressure", "10.2 kPa", "0 Pa ..", "M1: c, see the anterior leaflet"},
@@ -104,22 +106,23 @@ const Row rows[] = {
     {"leaflet.posterior.hgo_k2", "number", "150", "0 ..", "HGO: K2, exponent"},
     {"leaflet.posterior.hgo_kappa", "number", "0.25", "0 .. 0.3333333333333333", "HGO: dispersion kappa"},
     {"leaflet.posterior.ogden_mu", "pressure[]", "[-481836.3 Pa, 484166.6 Pa, 742.8 Pa]", "", "Ogden: mu_i, see the anterior leaflet"},
-    {"leaflet.posterior.ogden_alpha", "number[]", "[-19.4, -19.3, -25]", "", "Ogden: alpha_i, exponents"},
+    {"leaflet.posterior.ogden_alpha", "number[]", "[-19.36, -19.318, -25]", "", "Ogden: alpha_i, exponents"},
     {"leaflet.posterior.neo_mu", "pressure", "20 kPa", "0 Pa ..", "neo-Hookean: mu, see the anterior leaflet"},
-    {"leaflet.bulk", "pressure", "500 kPa", "0 Pa ..", "volumetric stiffness (see solver/solid)"},
+    {"leaflet.bulk", "pressure", "1 MPa", "0 Pa ..", "volumetric stiffness (see solver/solid)"},
     {"leaflet.density", "density", "1060 kg/m3", "1 kg/m3 .. 20000 kg/m3", "density of the leaflets"},
     {"leaflet.damping", "viscosity", "0 Pa s", "0 Pa s ..", "viscosity of the tissue (Kelvin-Voigt)"},
-    {"leaflet.distortion_strain", "number", "0.6", "0.01 .. 10", "strain beyond which an element stiffens (distortion control)"},
-    {"leaflet.distortion_factor", "number", "10", "0 .. 1e6", "how many times stiffer a distorted element becomes; 0 switches the control off"},
+    {"leaflet.distortion_strain", "number", "0.6", "0.01 .. 0.99", "strain beyond which an element stiffens (distortion control)"},
+    {"leaflet.distortion_factor", "number", "4", "0 .. 1e6", "how many times stiffer a distorted element becomes; 0 switches the control off"},
 
     {"contact.enabled", "flag", "true", "", "contact between the leaflets"},
     {"contact.friction", "number", "0.2", "0 .. 10", "Coulomb coefficient; 0 leaves friction out"},
     {"contact.faces", "choice both|inner", "both", "", "faces that can touch: both, or the atrial (inner) faces only"},
     {"contact.threshold", "length?", "auto", "0 mm .. 10 mm", "gap below which faces count as touching"},
     {"contact.stiffness", "number", "1", "0 .. 1000", "penalty stiffness in units of m/dt^2"},
-    {"contact.search_every", "integer", "4", "1 .. 1000", "steps between two searches for candidates"},
+    {"contact.search_every", "integer", "0", "0 .. 1000", "steps between two searches for candidates; 0: when the leaflets have moved far enough"},
 
-    {"coupling.scheme", "choice interpolation", "interpolation", "", "how leaflets and blood are coupled"},
+    {"coupling.scheme", "choice interpolation|drained", "drained", "", "how leaflets and blood are coupled (solver/README.md)"},
+    {"coupling.drainage_time", "time", "2 ms", "0.01 ms ..", "drained: time in which a blood film as thick as a fluid cell drains between facing leaflets under the peak pressure"},
 
     {"pressure.waveform", "choice systolic|ramp|csv", "systolic", "", "ventricular minus atrial pressure: rise and hold, straight ramp and hold, or a file"},
     {"pressure.peak", "pressure", "120 mmHg", "-300 mmHg .. 500 mmHg", "plateau of the built-in waveforms"},
@@ -183,10 +186,14 @@ void read_type(const Row& row, ConfigKey& key) {
     key.count = std::strtoul(type.c_str() + bracket + 1, nullptr, 10);
     type.resize(bracket);
   }
-  if (type == "flag") key.type = "bool";
-  else if (type == "integer") key.type = is_list ? "integers" : "integer";
-  else if (type == "text") key.type = is_list ? "strings" : "string";
-  else if (type == "path") key.type = "path";
+  if (type == "flag")
+    key.type = "bool";
+  else if (type == "integer")
+    key.type = is_list ? "integers" : "integer";
+  else if (type == "text")
+    key.type = is_list ? "strings" : "string";
+  else if (type == "path")
+    key.type = "path";
   else {
     key.type = is_list ? "numbers" : "number";
     key.dimension = dimension_of(type);

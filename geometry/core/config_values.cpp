@@ -58,9 +58,12 @@ double checked_number(const ConfigKey& key, const RawValue& whole, const RawValu
   double value = 0;
   if (key.dimension == Dimension::none) {
     if (key.type == "integers" && raw.kind != Kind::integer) refuse(key, whole, where, "");
-    if (raw.kind == Kind::integer) value = static_cast<double>(raw.integer);
-    else if (raw.kind == Kind::real) value = raw.real;
-    else refuse(key, whole, where, "");
+    if (raw.kind == Kind::integer)
+      value = static_cast<double>(raw.integer);
+    else if (raw.kind == Kind::real)
+      value = raw.real;
+    else
+      refuse(key, whole, where, "");
   } else {
     if (raw.kind == Kind::integer || raw.kind == Kind::real) refuse(key, whole, where, "a bare number has no unit");
     if (raw.kind != Kind::text) refuse(key, whole, where, "");
@@ -117,7 +120,8 @@ std::string range_text(const ConfigKey& key) {
 
 ConfigValue checked_value(const ConfigKey& key, const RawValue& raw, const std::string& where) {
   if (is_list_type(key)) {
-    if (key.can_be_auto && asks_for_auto(raw)) return key.type == "strings" ? ConfigValue(std::vector<std::string>{}) : ConfigValue(std::vector<double>{});
+    if (key.can_be_auto && asks_for_auto(raw))
+      return key.type == "strings" ? ConfigValue(std::vector<std::string>{}) : ConfigValue(std::vector<double>{});
     if (raw.kind != Kind::list) refuse(key, raw, where, "");
     if (key.count && raw.list.size() != key.count) refuse(key, raw, where, std::to_string(raw.list.size()) + " values");
     if (key.type == "strings") {

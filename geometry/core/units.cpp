@@ -77,19 +77,32 @@ std::string joined(const std::vector<std::string>& words) {
 
 std::string dimension_name(Dimension dimension) {
   switch (dimension) {
-    case Dimension::none: return "number";
-    case Dimension::length: return "length";
-    case Dimension::area: return "area";
-    case Dimension::volume: return "volume";
-    case Dimension::time: return "time";
-    case Dimension::pressure: return "pressure";
-    case Dimension::density: return "density";
-    case Dimension::viscosity: return "viscosity";
-    case Dimension::force: return "force";
-    case Dimension::velocity: return "velocity";
-    case Dimension::angle: return "angle";
-    case Dimension::stiffness: return "stiffness";
-    case Dimension::flow: return "flow rate";
+    case Dimension::none:
+      return "number";
+    case Dimension::length:
+      return "length";
+    case Dimension::area:
+      return "area";
+    case Dimension::volume:
+      return "volume";
+    case Dimension::time:
+      return "time";
+    case Dimension::pressure:
+      return "pressure";
+    case Dimension::density:
+      return "density";
+    case Dimension::viscosity:
+      return "viscosity";
+    case Dimension::force:
+      return "force";
+    case Dimension::velocity:
+      return "velocity";
+    case Dimension::angle:
+      return "angle";
+    case Dimension::stiffness:
+      return "stiffness";
+    case Dimension::flow:
+      return "flow rate";
   }
   return "number";
 }
@@ -113,8 +126,8 @@ double parse_quantity(std::string_view text, Dimension dimension, const std::str
   const std::string unit_list = joined(units_of(dimension));
   const std::string expected = dimension == Dimension::none
                                    ? std::string("expected a number")
-                                   : "expected a " + dimension_name(dimension) + " with a unit (" + unit_list + "), such as \"1.5 " +
-                                         units_of(dimension).front() + "\"";
+                                   : "expected a " + dimension_name(dimension) + " with a unit (" + unit_list +
+                                         "), such as \"1.5 " + units_of(dimension).front() + "\"";
   auto refuse = [&](const std::string& why) -> double {
     throw ConfigError(what + " has the value \"" + std::string(text) + "\": " + why + expected);
   };

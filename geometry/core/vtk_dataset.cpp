@@ -39,8 +39,7 @@ const std::string hash_closes = " -->\n";
 /// Takes every VTK error, also those of objects inside a reader, instead of printing it.
 class ErrorCollector : public vtkOutputWindow {
  public:
-  vtkTypeMacro(ErrorCollector, vtkOutputWindow)
-  static ErrorCollector* New();
+  vtkTypeMacro(ErrorCollector, vtkOutputWindow) static ErrorCollector* New();
   void DisplayText(const char*) override {}
   void DisplayErrorText(const char* message) override {
     if (first_error.empty() && message) first_error = message;
@@ -49,8 +48,8 @@ class ErrorCollector : public vtkOutputWindow {
 };
 vtkStandardNewMacro(ErrorCollector)
 
-/// Redirects VTK's messages, which are global, to a collector while it lives.
-class CollectErrors {
+    /// Redirects VTK's messages, which are global, to a collector while it lives.
+    class CollectErrors {
  public:
   CollectErrors()
       : lock_(mutex()), previous_(vtkOutputWindow::GetInstance()), verbosity_(vtkLogger::GetCurrentVerbosityCutoff()) {
@@ -125,7 +124,8 @@ std::string checked_bytes(const std::filesystem::path& file) {
 template <class Reader, class Data>
 vtkSmartPointer<Data> read_with(const std::filesystem::path& file, const char* kind) {
   const std::string bytes = checked_bytes(file);
-  if (bytes.find(std::string("type=\"") + kind + "\"") == std::string::npos) refuse(file, std::string("not a VTK XML file of type ") + kind);
+  if (bytes.find(std::string("type=\"") + kind + "\"") == std::string::npos)
+    refuse(file, std::string("not a VTK XML file of type ") + kind);
   const CollectErrors errors;
   vtkNew<Reader> reader;
   reader->ReadFromInputStringOn();
@@ -143,7 +143,8 @@ vtkSmartPointer<Data> read_with(const std::filesystem::path& file, const char* k
   const DatasetReader check(file, data);
   for (const auto& [name, value] : {std::pair<std::string, std::string>{"UnitSystem", "mm"}, {"SPACE", "RAS"}}) {
     const auto texts = check.texts(name);
-    if (texts.size() != 1 || texts[0] != value) check.fail(name, "is \"" + (texts.empty() ? "" : texts[0]) + "\", expected \"" + value + "\"");
+    if (texts.size() != 1 || texts[0] != value)
+      check.fail(name, "is \"" + (texts.empty() ? "" : texts[0]) + "\", expected \"" + value + "\"");
   }
   return data;
 }
@@ -189,10 +190,14 @@ void add_texts(vtkFieldData* data, const std::string& name, const std::vector<st
 
 void write_vtk(const std::filesystem::path& file, vtkDataObject* data) {
   std::string bytes;
-  if (vtkPolyData::SafeDownCast(data)) bytes = bytes_of<vtkXMLPolyDataWriter>(data);
-  else if (vtkUnstructuredGrid::SafeDownCast(data)) bytes = bytes_of<vtkXMLUnstructuredGridWriter>(data);
-  else if (vtkImageData::SafeDownCast(data)) bytes = bytes_of<vtkXMLImageDataWriter>(data);
-  else throw std::logic_error("write_vtk: unsupported kind of data");
+  if (vtkPolyData::SafeDownCast(data))
+    bytes = bytes_of<vtkXMLPolyDataWriter>(data);
+  else if (vtkUnstructuredGrid::SafeDownCast(data))
+    bytes = bytes_of<vtkXMLUnstructuredGridWriter>(data);
+  else if (vtkImageData::SafeDownCast(data))
+    bytes = bytes_of<vtkXMLImageDataWriter>(data);
+  else
+    throw std::logic_error("write_vtk: unsupported kind of data");
   if (!bytes.ends_with('\n')) bytes += '\n';
   bytes += hash_opens + sha256(bytes) + hash_closes;
   write_text_atomically(file, bytes);
@@ -242,7 +247,8 @@ std::vector<double> DatasetReader::reals(Place place, const std::string& name, i
   return out;
 }
 
-std::vector<int> DatasetReader::integers(Place place, const std::string& name, long low, long high, int components, long tuples) const {
+std::vector<int> DatasetReader::integers(Place place, const std::string& name, long low, long high, int components,
+                                         long tuples) const {
   const std::vector<double> values = reals(place, name, components, tuples);
   std::vector<int> out(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -267,7 +273,8 @@ std::vector<double> DatasetReader::coordinates() const {
   for (vtkIdType p = 0; p < data_->GetNumberOfPoints(); ++p) {
     double* x = out.data() + 3 * p;
     data_->GetPoint(p, x);
-    if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2])) fail("points", "is not finite at point " + std::to_string(p));
+    if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2]))
+      fail("points", "is not finite at point " + std::to_string(p));
   }
   return out;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// VTK XML files in memory: one way of writing them (appended, raw, zlib, field data with units, SHA-256 at the end) and of reading
-// them with every defect turned into an InputError. Included by .cpp files only.
+// VTK XML files in memory: one way of writing them (appended, raw, zlib, field data with units, SHA-256 at the end) and of
+// reading them with every defect turned into an InputError. Included by .cpp files only.
 
 #include <vtkSmartPointer.h>
 
@@ -34,7 +34,8 @@ vtkSmartPointer<vtkDataArray> byte_array(const std::string& name, std::span<cons
 /// Field data of texts.
 void add_texts(vtkFieldData* data, const std::string& name, const std::vector<std::string>& texts);
 
-/// Writes .vtu, .vtp or .vti (by the type of `data`) through a temporary name and a rename. The same data give the same bytes. The last line is an XML
+/// Writes .vtu, .vtp or .vti (by the type of `data`) through a temporary name and a rename.
+/// The same data give the same bytes. The last line is an XML
 /// comment with the SHA-256 of what precedes it. Throws IoError.
 void write_vtk(const std::filesystem::path& file, vtkDataObject* data);
 

@@ -36,14 +36,15 @@ ConeWrap::ConeWrap(const Annulus& annulus, const Vec3& anterior_direction, const
     throw InputError("generic valve: the pattern's base (" + std::to_string(pattern.perimeter()) +
                      " mm) is not as long as the annulus (" + std::to_string(curve_.length()) + " mm)");
   const Vec3 ahead = in_plane(anterior_direction, axis_).normalized();
-  const Vec3 left = ahead.cross(axis_);   // u grows from -left over ahead to left: counter-clockwise about -axis
+  const Vec3 left = ahead.cross(axis_);  // u grows from -left over ahead to left: counter-clockwise about -axis
   constexpr int n = 2880;
   const double h = curve_.length() / n;
   // Area centroid of the projection; the height of the centre is the mean height of the curve.
   double twice_area = 0, mean_height = 0;
   Vec3 moment = Vec3::Zero();
   for (int i = 0; i < n; ++i) {
-    const Vec3 a = in_plane(curve_.at(i * h) - annulus.origin, axis_), b = in_plane(curve_.at((i + 1) * h) - annulus.origin, axis_);
+    const Vec3 a = in_plane(curve_.at(i * h) - annulus.origin, axis_),
+               b = in_plane(curve_.at((i + 1) * h) - annulus.origin, axis_);
     const double cross = -axis_.dot(a.cross(b));
     twice_area += cross;
     moment += cross * (a + b) / 3;
@@ -54,8 +55,8 @@ ConeWrap::ConeWrap(const Annulus& annulus, const Vec3& anterior_direction, const
   for (int i = 0; i < n; ++i) {
     const Vec3 a = curve_.at(i * h) - centre_, b = curve_.at((i + 1) * h) - centre_;
     if (!(-axis_.dot(a.cross(b)) > 0))
-      throw InputError("generic valve: the annulus is not star-shaped about its centre (it turns back near point " + std::to_string(i) +
-                       " of 2880); smooth it or give fewer harmonics");
+      throw InputError("generic valve: the annulus is not star-shaped about its centre (it turns back near point " +
+                       std::to_string(i) + " of 2880); smooth it or give fewer harmonics");
     if (a.dot(ahead) > 0 && a.dot(left) <= 0 && b.dot(left) > 0) crossing = h * (i + a.dot(left) / (a.dot(left) - b.dot(left)));
   }
   u_offset_ = crossing - pattern.parameters().anterior_radius;
@@ -85,8 +86,8 @@ ConeWrap::Profile ConeWrap::profile(double v, double radius) const {
     return {cosine * straight + sine / k + (v - straight - arc), largest_share * radius, 1, 0};
   }
   const double left = angle - turned;
-  return {cosine * straight + (sine - std::sin(left)) / k, straight_share * radius + (std::cos(left) - cosine) / k, std::cos(left),
-          std::sin(left)};
+  return {cosine * straight + (sine - std::sin(left)) / k, straight_share * radius + (std::cos(left) - cosine) / k,
+          std::cos(left), std::sin(left)};
 }
 
 Vec3 ConeWrap::position(const Vec2& uv) const {

@@ -13,7 +13,8 @@ namespace {
 
 constexpr double largest_anterior_share = 0.9;
 
-/// Right half of a half-ellipse with semi-axes a (along u) and b, its right end at the origin; angle 0 at that end, pi/2 at the top.
+/// Right half of a half-ellipse with semi-axes a (along u) and b, its right end at the origin; angle 0 at that end, pi/2 at the
+/// top.
 struct QuarterEllipse {
   double a, b;
   Vec2 point(double angle) const { return {-a * (1 - std::cos(angle)), b * std::sin(angle)}; }
@@ -41,7 +42,8 @@ void require(bool condition, const std::string& key, double value, const std::st
 
 FlatPattern::FlatPattern(const PatternParameters& p) : parameters_(p) {
   require(p.perimeter > 0, "perimeter", p.perimeter, "must be positive (mm)");
-  require(p.strip_height > 0, "strip_height", p.strip_height, "must be positive (mm): the strip gives the commissures their height");
+  require(p.strip_height > 0, "strip_height", p.strip_height,
+          "must be positive (mm): the strip gives the commissures their height");
   require(p.anterior_radius > 0, "anterior_radius", p.anterior_radius, "must be positive (mm)");
   require(p.anterior_height > 0, "anterior_height", p.anterior_height, "must be positive");
   require(p.posterior_height > 0, "posterior_height", p.posterior_height, "must be positive");
@@ -72,8 +74,8 @@ FlatPattern::FlatPattern(const PatternParameters& p) : parameters_(p) {
       angle_right = right.angle_at_height(v, r);
       (left.offset(angle_left, r).x() + right.offset(angle_right, r).x() > 0 ? lower : upper) = v;
     }
-    fillets_.push_back({notches_[i] + left.offset(angle_left, r).x(), p.strip_height + lower, notches_[i] + left.point(angle_left).x(),
-                        notches_[i] - right.point(angle_right).x()});
+    fillets_.push_back({notches_[i] + left.offset(angle_left, r).x(), p.strip_height + lower,
+                        notches_[i] + left.point(angle_left).x(), notches_[i] - right.point(angle_right).x()});
   }
 }
 
@@ -104,7 +106,9 @@ double FlatPattern::height(double u) const {
   return parameters_.strip_height + s.factor * std::sqrt(std::max(0.0, s.radius * s.radius - d * d));
 }
 
-double FlatPattern::notch_height(int i) const { return fillets_[static_cast<std::size_t>(i)].centre_v - parameters_.notch_radius; }
+double FlatPattern::notch_height(int i) const {
+  return fillets_[static_cast<std::size_t>(i)].centre_v - parameters_.notch_radius;
+}
 
 std::vector<Vec2> FlatPattern::free_edge(double step) const {
   using std::numbers::pi;
@@ -117,7 +121,9 @@ std::vector<Vec2> FlatPattern::free_edge(double step) const {
       edge.push_back(centre + Vec2(a * std::cos(angle), b * std::sin(angle)));
     }
   };
-  auto fillet_angle = [&](const Fillet& f, double u) { return -std::acos(std::clamp((u - f.centre_u) / parameters_.notch_radius, -1.0, 1.0)); };
+  auto fillet_angle = [&](const Fillet& f, double u) {
+    return -std::acos(std::clamp((u - f.centre_u) / parameters_.notch_radius, -1.0, 1.0));
+  };
   auto ellipse_angle = [](const Scallop& s, double u) { return std::acos(std::clamp((u - s.centre) / s.radius, -1.0, 1.0)); };
   const double r = parameters_.notch_radius;
   for (std::size_t i = 0; i < scallops_.size(); ++i) {
@@ -130,7 +136,8 @@ std::vector<Vec2> FlatPattern::free_edge(double step) const {
     }
     const Scallop& s = scallops_[i];
     append_arc(r, r, fillet_angle(first, notches_[i]), fillet_angle(first, first.u_end), {first.centre_u, first.centre_v});
-    append_arc(s.radius, s.factor * s.radius, ellipse_angle(s, first.u_end), ellipse_angle(s, last.u_begin), {s.centre, parameters_.strip_height});
+    append_arc(s.radius, s.factor * s.radius, ellipse_angle(s, first.u_end), ellipse_angle(s, last.u_begin),
+               {s.centre, parameters_.strip_height});
     append_arc(r, r, fillet_angle(last, last.u_begin), fillet_angle(last, end), {last.centre_u, last.centre_v});
   }
   return edge;
@@ -140,7 +147,8 @@ double FlatPattern::area() const {
   std::vector<Vec2> edge = free_edge(1e-3 * perimeter());
   edge.push_back({edge.front().x() + perimeter(), edge.front().y()});
   double sum = 0;
-  for (std::size_t i = 0; i + 1 < edge.size(); ++i) sum += 0.5 * (edge[i].y() + edge[i + 1].y()) * (edge[i + 1].x() - edge[i].x());
+  for (std::size_t i = 0; i + 1 < edge.size(); ++i)
+    sum += 0.5 * (edge[i].y() + edge[i + 1].y()) * (edge[i + 1].x() - edge[i].x());
   return sum;
 }
 

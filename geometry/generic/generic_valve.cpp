@@ -31,13 +31,16 @@ std::vector<Vec3> generic_annulus_points(const GenericValveParameters& p, int po
   constexpr int dense = 4096;
   std::vector<Vec3> curve;
   for (int i = 0; i < dense; ++i) {
-    const double phi = 2 * std::numbers::pi * i / dense;   // from +y, counter-clockwise seen from +z
-    curve.push_back({-0.5 * p.axis_major * std::sin(phi), 0.5 * p.axis_minor * std::cos(phi), 0.5 * p.saddle_height * std::cos(2 * phi)});
+    const double phi = 2 * std::numbers::pi * i / dense;  // from +y, counter-clockwise seen from +z
+    curve.push_back(
+        {-0.5 * p.axis_major * std::sin(phi), 0.5 * p.axis_minor * std::cos(phi), 0.5 * p.saddle_height * std::cos(2 * phi)});
   }
   return ClosedCurve(curve, dense).resampled(points);
 }
 
-double generic_perimeter(const GenericValveParameters& parameters) { return ClosedCurve(generic_annulus_points(parameters)).length(); }
+double generic_perimeter(const GenericValveParameters& parameters) {
+  return ClosedCurve(generic_annulus_points(parameters)).length();
+}
 
 GenericValve build_generic_valve(const GenericValveParameters& parameters, double spacing, const Annulus& annulus,
                                  const Vec3& anterior_direction) {

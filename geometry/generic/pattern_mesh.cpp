@@ -14,19 +14,21 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Edge size aimed at, over the longest allowed one: the largest for which few edges have to be split at the end (measured: 0.82 gives
-/// the fewest points at spacing 0.5 mm; 0.78 and 0.86 give 4 to 8 % more).
+/// Edge size aimed at, over the longest allowed one: the largest for which few edges have to be split at the end (measured: 0.82
+/// gives the fewest points at spacing 0.5 mm; 0.78 and 0.86 give 4 to 8 % more).
 constexpr double mean_over_longest = 0.82;
-/// Border edges are even by construction; the rest of the way to 1 is for the outer face, which is longer by thickness/2 over the radius.
+/// Border edges are even by construction; the rest of the way to 1 is for the outer face, which is longer by thickness/2 over the
+/// radius.
 constexpr double border_over_longest = 0.88;
 /// Seeds closer to the border than this share of the edge size would make flat triangles.
 constexpr double border_clearance = 0.7;
 constexpr double longest_over_spacing_limit = 1.25;
-constexpr double smallest_angle_limit = 20;   // degrees
+constexpr double smallest_angle_limit = 20;  // degrees
 
 int pieces(double length, double size) { return std::max(2, static_cast<int>(std::ceil(length / size - 1e-9))); }
 
-/// Free edge between two columns, resampled to equal lengths in space, measured on the longer of the two faces; both ends included.
+/// Free edge between two columns, resampled to equal lengths in space, measured on the longer of the two faces; both ends
+/// included.
 std::vector<Vec2> sampled_free_edge(const FlatPattern& pattern, const ConeWrap& wrap, double u_begin, double u_end, double size,
                                     double thickness) {
   std::vector<Vec2> dense{{u_begin, pattern.height(u_begin)}};
@@ -54,12 +56,13 @@ std::vector<Vec2> sampled_free_edge(const FlatPattern& pattern, const ConeWrap& 
   return result;
 }
 
-/// Border points of both leaflets; each leaflet's ring runs counter-clockwise in (u, v), which continues to the perimeter in the posterior.
+/// Border points of both leaflets; each leaflet's ring runs counter-clockwise in (u, v), which continues to the perimeter in the
+/// posterior.
 struct Border {
   std::vector<Vec2> uv;
   std::vector<char> on_annulus, on_free_edge;
-  std::array<std::vector<int>, 2> ring;        // indices into uv
-  std::array<std::vector<Vec2>, 2> polygon;    // the same points, u not wrapped
+  std::array<std::vector<int>, 2> ring;      // indices into uv
+  std::array<std::vector<Vec2>, 2> polygon;  // the same points, u not wrapped
 };
 
 Border sample_border(const FlatPattern& pattern, const ConeWrap& wrap, double size, double thickness) {
@@ -99,8 +102,10 @@ Border sample_border(const FlatPattern& pattern, const ConeWrap& wrap, double si
 }
 
 /// Rows of constant v, each with points of equal spacing in space, staggered by half a spacing against the row above: a nearly
-/// hexagonal lattice with a dislocation only where the cone's narrowing drops a point. Points too close to the border are left out.
-void seed_rows(const FlatPattern& pattern, const ConeWrap& wrap, const std::vector<Vec2>& polygon, double size, SurfaceRemesh& remesh) {
+/// hexagonal lattice with a dislocation only where the cone's narrowing drops a point. Points too close to the border are left
+/// out.
+void seed_rows(const FlatPattern& pattern, const ConeWrap& wrap, const std::vector<Vec2>& polygon, double size,
+               SurfaceRemesh& remesh) {
   const double row_height = 0.5 * std::sqrt(3.0) * size, clearance = border_clearance * size;
   double u0 = 1e300, u1 = -1e300, top = 0;
   std::vector<Vec3> wall;
@@ -129,7 +134,8 @@ void seed_rows(const FlatPattern& pattern, const ConeWrap& wrap, const std::vect
       const double u = u0 + (static_cast<double>(k) + (target - s[k]) / (s[k + 1] - s[k])) * step;
       if (v >= pattern.height(u)) continue;
       const Vec3 x = wrap.position({u, v});
-      const bool crowded = std::any_of(wall.begin(), wall.end(), [&](const Vec3& w) { return (w - x).squaredNorm() < clearance * clearance; });
+      const bool crowded =
+          std::any_of(wall.begin(), wall.end(), [&](const Vec3& w) { return (w - x).squaredNorm() < clearance * clearance; });
       if (!crowded) remesh.insert({u, v});
     }
     remesh.flip_to_delaunay();
@@ -185,13 +191,14 @@ SurfaceRemesh mesh_leaflet(const FlatPattern& pattern, const ConeWrap& wrap, con
     remesh.flip_to_delaunay();
     remesh.equalise_edges(5, 6);
   }
-  // What is still too long is few: split it and settle the new points and their neighbours.
-  for (int i = 0; i < 8; ++i) {
+  // What is still too long is few: split it and settle the new points and their neighbours, which may lengthen others; the last
+  // rounds therefore split only.
+  for (int i = 0; i < 14; ++i) {
     remesh.flip_to_delaunay();
     const int first_new = remesh.size();
     if (remesh.split_longer_on_faces(spacing) == 0) break;
     remesh.flip_to_delaunay();
-    remesh.smooth(5, 1.0, first_new);
+    if (i < 7) remesh.smooth(5, 1.0, first_new);
   }
   remesh.compact();
   return remesh;
@@ -199,7 +206,8 @@ SurfaceRemesh mesh_leaflet(const FlatPattern& pattern, const ConeWrap& wrap, con
 
 }  // namespace
 
-MidSurface mesh_pattern(const FlatPattern& pattern, const ConeWrap& wrap, double spacing, double thickness, SurfaceMeshReport* report) {
+MidSurface mesh_pattern(const FlatPattern& pattern, const ConeWrap& wrap, double spacing, double thickness,
+                        SurfaceMeshReport* report) {
   if (!(spacing > 0)) throw ConfigError("mesh.spacing must be positive");
   const Border border = sample_border(pattern, wrap, border_over_longest * spacing, thickness);
   MidSurface s;
@@ -229,9 +237,9 @@ MidSurface mesh_pattern(const FlatPattern& pattern, const ConeWrap& wrap, double
   if (report) *report = measured;
   if (measured.face_edge_max > longest_over_spacing_limit * spacing || measured.angle_min < smallest_angle_limit) {
     std::ostringstream message;
-    message << "mid-surface mesh: longest edge " << measured.face_edge_max << " mm (limit " << longest_over_spacing_limit * spacing
-            << "), smallest angle " << measured.angle_min << " degrees (limit " << smallest_angle_limit
-            << "); change mesh.spacing or generic.notch_radius";
+    message << "mid-surface mesh: longest edge " << measured.face_edge_max << " mm (limit "
+            << longest_over_spacing_limit * spacing << "), smallest angle " << measured.angle_min << " degrees (limit "
+            << smallest_angle_limit << "); change mesh.spacing or generic.notch_radius";
     throw GateError(message.str());
   }
   return s;

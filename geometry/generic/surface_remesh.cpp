@@ -178,7 +178,8 @@ int SurfaceRemesh::split_longer_than(double length) {
 }
 
 int SurfaceRemesh::split_longer_on_faces(double length) {
-  // Offsetting lengthens an edge by at most its share of half the thickness over the radius of curvature; well below, it is not looked at.
+  // Offsetting lengthens an edge by at most its share of half the thickness over the radius of curvature; well below, it is not
+  // looked at.
   return split_where([&](int a, int b) { return distance(a, b) > 0.75 * length ? face_distance(a, b) - length : 0.0; });
 }
 
@@ -218,9 +219,8 @@ bool SurfaceRemesh::collapse(int a, int b, double longest) {
 int SurfaceRemesh::collapse_shorter_than(double length, double longest) {
   std::vector<std::pair<int, int>> candidates = edges();
   std::erase_if(candidates, [&](const auto& e) { return distance(e.first, e.second) >= length; });
-  std::stable_sort(candidates.begin(), candidates.end(), [&](const auto& p, const auto& q) {
-    return distance(p.first, p.second) < distance(q.first, q.second);
-  });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [&](const auto& p, const auto& q) { return distance(p.first, p.second) < distance(q.first, q.second); });
   int count = 0;
   for (const auto& [a, b] : candidates) {
     if (star_[at(a)].empty() || star_[at(b)].empty()) continue;
@@ -257,7 +257,8 @@ int SurfaceRemesh::flip_to_delaunay() {
       const std::array<int, 2> both = triangles_of(a, b);
       if (both[1] < 0) continue;
       const int c = opposite(both[0], a, b), d = opposite(both[1], a, b);
-      const double angles = std::acos(std::clamp(cosine_at(c, a, b), -1.0, 1.0)) + std::acos(std::clamp(cosine_at(d, a, b), -1.0, 1.0));
+      const double angles =
+          std::acos(std::clamp(cosine_at(c, a, b), -1.0, 1.0)) + std::acos(std::clamp(cosine_at(d, a, b), -1.0, 1.0));
       if (angles > std::acos(-1.0) + 1e-6) count += flip(a, b, both[0], both[1]);
     }
     total += count;

@@ -18,7 +18,7 @@ struct SurfaceMap {
   std::function<Vec3(const Vec2&)> position;
   std::function<Vec3(const Vec2&)> along_u;
   std::function<Vec3(const Vec2&)> along_v;
-  double half_thickness = 0;   // the surface will be offset by this to both sides
+  double half_thickness = 0;  // the surface will be offset by this to both sides
 };
 
 /// Triangle mesh over (u, v) with its image in space. The border is kept: points given as fixed do not move, border
@@ -30,15 +30,16 @@ class SurfaceRemesh {
   /// Inserts a free point into the triangle that holds it; returns false (nothing changed) when it lies outside or on an edge.
   bool insert(const Vec2& uv);
   int size() const { return static_cast<int>(uv_.size()); }
-  int split_longer_than(double length);                       // returns the number of splits
+  int split_longer_than(double length);  // returns the number of splits
   /// Splits interior edges that are longer than `length` on either offset face; returns the number of splits.
   int split_longer_on_faces(double length);
-  int split_border_chords(double length);                     // interior edges between two fixed points
-  int collapse_shorter_than(double length, double longest);   // no edge longer than `longest` is made
-  int flip_to_delaunay();                                     // opposite angles in space sum to more than pi
-  /// Moves free points towards the area centroid of their surrounding triangles: those from index `first` on and their neighbours.
+  int split_border_chords(double length);                    // interior edges between two fixed points
+  int collapse_shorter_than(double length, double longest);  // no edge longer than `longest` is made
+  int flip_to_delaunay();                                    // opposite angles in space sum to more than pi
+  /// Moves free points towards the area centroid of their surrounding triangles: those from index `first` on and their
+  /// neighbours.
   void smooth(int sweeps, double relaxation, int first = 0);
-  void equalise_edges(int sweeps, double power);              // descends on the sum of edge^(power + 2): shortens the longest edges first
+  void equalise_edges(int sweeps, double power);  // descends on the sum of edge^(power + 2): shortens the longest edges first
 
   /// Removes dead points and triangles; call once at the end.
   void compact();
@@ -48,14 +49,14 @@ class SurfaceRemesh {
 
  private:
   using Triangle = std::array<int, 3>;
-  Vec2 difference(int a, int b) const;                        // uv_b - uv_a
+  Vec2 difference(int a, int b) const;  // uv_b - uv_a
   double area_uv(int a, int b, int c) const;
   double area_uv(int a, int b, const Vec2& p) const;
   int triangle_holding(const Vec2& p) const;
-  double cosine_at(int a, int b, int c) const;                // of the angle at a
+  double cosine_at(int a, int b, int c) const;  // of the angle at a
   double distance(int a, int b) const { return (x_[static_cast<std::size_t>(a)] - x_[static_cast<std::size_t>(b)]).norm(); }
-  std::vector<std::pair<int, int>> edges() const;             // interior edges, a < b
-  std::array<int, 2> triangles_of(int a, int b) const;        // -1 when absent
+  std::vector<std::pair<int, int>> edges() const;       // interior edges, a < b
+  std::array<int, 2> triangles_of(int a, int b) const;  // -1 when absent
   int opposite(int triangle, int a, int b) const;
   std::vector<int> neighbours(int a) const;
   void replace(int triangle, int from, int to);

@@ -54,7 +54,7 @@ class Surface {
       const Point &a = point(s, shared_s[0]), &b = point(s, shared_s[1]), &c = point(s, apex_s), &d = point(t, apex_t);
       return CGAL::coplanar(a, b, c, d) && CGAL::coplanar_orientation(a, b, c, d) == CGAL::POSITIVE;
     }
-    return true;   // the same triangle twice
+    return true;  // the same triangle twice
   }
 
  private:
@@ -66,7 +66,8 @@ class Surface {
 
 }  // namespace
 
-std::vector<std::pair<int, int>> self_intersections(const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& triangles) {
+std::vector<std::pair<int, int>> self_intersections(const std::vector<Vec3>& points,
+                                                    const std::vector<std::array<int, 3>>& triangles) {
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!points[i].allFinite()) throw InputError("self-intersection: point " + std::to_string(i) + " is not finite");
   for (std::size_t t = 0; t < triangles.size(); ++t)
@@ -93,7 +94,8 @@ std::vector<std::pair<int, int>> self_intersections(const std::vector<Vec3>& poi
 
 Gate gate_self_intersection(const LeafletMesh& mesh, const std::vector<Vec3>& positions, const char* name) {
   if (positions.size() != mesh.points.size())
-    throw InputError("self-intersection: " + std::to_string(positions.size()) + " positions for " + std::to_string(mesh.points.size()) + " points");
+    throw InputError("self-intersection: " + std::to_string(positions.size()) + " positions for " +
+                     std::to_string(mesh.points.size()) + " points");
   const BoundarySurface boundary = extract_boundary(mesh);
   const auto facets = boundary_facets(boundary);
   const auto pairs = self_intersections(positions, facets);
@@ -110,6 +112,8 @@ Gate gate_self_intersection(const LeafletMesh& mesh, const std::vector<Vec3>& po
   return gate;
 }
 
-Gate gate_self_intersection(const LeafletMesh& mesh) { return gate_self_intersection(mesh, mesh.points, "leaflets.self_intersections"); }
+Gate gate_self_intersection(const LeafletMesh& mesh) {
+  return gate_self_intersection(mesh, mesh.points, "leaflets.self_intersections");
+}
 
 }  // namespace mv

@@ -15,7 +15,8 @@ namespace mv {
 /// Pairs (i < j, sorted) of triangles that intersect in more than what they share (a common vertex or edge), decided with exact
 /// predicates on the double coordinates. Triangles with a repeated index, or degenerate ones, pair with themselves (i, i).
 /// Throws InputError for an index out of range or a coordinate that is not finite.
-std::vector<std::pair<int, int>> self_intersections(const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& triangles);
+std::vector<std::pair<int, int>> self_intersections(const std::vector<Vec3>& points,
+                                                    const std::vector<std::array<int, 3>>& triangles);
 
 /// Gate "leaflets.self_intersections": pairs on the boundary of the mesh (order 2: each face as 4 flat triangles); limit 0.
 Gate gate_self_intersection(const LeafletMesh& mesh);

@@ -12,7 +12,8 @@ namespace {
 
 using std::numbers::pi;
 
-/// Widening spreads over this angle to either side of a point that sticks out, so that no bump is sharper than the annulus itself.
+/// Widening spreads over this angle to either side of a point that sticks out, so that no bump is sharper than the annulus
+/// itself.
 constexpr double spread_angle = 8 * pi / 180;
 
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -41,14 +42,16 @@ PolarOutline smooth_polar_outline(const std::vector<Vec2>& polygon, int harmonic
   const std::size_t n = ring.size();
   for (std::size_t i = 0; i < n; ++i)
     if (!(cross(ring[i], ring[(i + 1) % n]) > 0))
-      throw InputError("tube: the annulus outline turns back near its point " + std::to_string(i) + " and has no single radius there; smooth the annulus");
+      throw InputError("tube: the annulus outline turns back near its point " + std::to_string(i) +
+                       " and has no single radius there; smooth the annulus");
   // Ray casting at many angles: walk the edges in step with the angle.
   constexpr int dense = 4096;
   std::vector<double> radius(dense);
   for (std::size_t i = 0; i < n; ++i) {
     const Vec2 &a = ring[i], &b = ring[(i + 1) % n];
     const double begin = std::atan2(a.y(), a.x()), sweep = std::atan2(cross(a, b), a.dot(b));
-    const int first = static_cast<int>(std::ceil(begin / (2 * pi) * dense)), last = static_cast<int>(std::floor((begin + sweep) / (2 * pi) * dense));
+    const int first = static_cast<int>(std::ceil(begin / (2 * pi) * dense)),
+              last = static_cast<int>(std::floor((begin + sweep) / (2 * pi) * dense));
     for (int k = first; k <= last; ++k) {
       const Vec2 direction(std::cos(2 * pi * k / dense), std::sin(2 * pi * k / dense));
       radius[static_cast<std::size_t>(((k % dense) + dense) % dense)] = cross(a, b - a) / cross(direction, b - a);
@@ -87,7 +90,8 @@ double widen_to_contain(PolarOutline& outline, const std::vector<Vec2>& points, 
       m = std::max(m, shortfall);
     }
   }
-  // Raising to the largest shortfall within the window and then averaging over the same window never falls below the shortfall itself.
+  // Raising to the largest shortfall within the window and then averaging over the same window never falls below the shortfall
+  // itself.
   const int window = std::max(1, static_cast<int>(std::lround(spread_angle / (2 * pi) * n)));
   auto wrapped = [&](int i) { return static_cast<std::size_t>(((i % n) + n) % n); };
   std::vector<double> raised(missing.size());

@@ -20,7 +20,8 @@ using std::numbers::pi;
 constexpr int outline_samples = 360;
 /// The tips stay this many fluid cells away from the ventricular end, where the pressure is prescribed.
 constexpr double tip_distance_cells = 2;
-/// Size of the O-grid's central block relative to the outline, and how far its sides bulge from straight towards the outline's shape.
+/// Size of the O-grid's central block relative to the outline, and how far its sides bulge from straight towards the outline's
+/// shape.
 constexpr double core_share = 0.55, core_bulge = 0.45;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -30,7 +31,7 @@ Vec3 to_tube(const Tube& tube, const Vec3& x) { return tube.axes * (x - tube.ori
 /// One quadrilateral layer of the O-grid in (e1, e2).
 struct QuadGrid {
   std::vector<Vec2> points;
-  std::vector<std::array<int, 4>> quads;   // counter-clockwise
+  std::vector<std::array<int, 4>> quads;  // counter-clockwise
 };
 
 QuadGrid o_grid(const PolarOutline& outline, double size) {
@@ -44,7 +45,7 @@ QuadGrid o_grid(const PolarOutline& outline, double size) {
   const int n = std::max(2, static_cast<int>(std::lround(perimeter / 4 / size)));
   const int rings = std::max(2, static_cast<int>(std::lround((1 - core_share) * 0.5 * (half_width + half_height) / size)));
   // Corners of the block lie at 45 degrees of the ellipse with the outline's widths, so that all four sides have similar lengths.
-  auto angle_of = [&](double quarter) {   // quarter in [0, 4): 0 at the corner at -45 degrees
+  auto angle_of = [&](double quarter) {  // quarter in [0, 4): 0 at the corner at -45 degrees
     const double phi = -pi / 4 + quarter * pi / 2;
     return std::atan2(half_height * std::sin(phi), half_width * std::cos(phi));
   };
@@ -60,7 +61,8 @@ QuadGrid o_grid(const PolarOutline& outline, double size) {
     for (int j = 0; j <= n; ++j) {
       const double s = static_cast<double>(i) / n, t = static_cast<double>(j) / n;
       const Vec2 right = core_rim(0, s), top = core_rim(1, t), left = core_rim(2, 1 - s), bottom = core_rim(3, 1 - t);
-      const Vec2 corners = (1 - s) * (1 - t) * core_rim(0, 0) + s * (1 - t) * core_rim(1, 0) + s * t * core_rim(2, 0) + (1 - s) * t * core_rim(3, 0);
+      const Vec2 corners = (1 - s) * (1 - t) * core_rim(0, 0) + s * (1 - t) * core_rim(1, 0) + s * t * core_rim(2, 0) +
+                           (1 - s) * t * core_rim(3, 0);
       g.points.push_back((1 - t) * right + t * left + (1 - s) * bottom + s * top - corners);
     }
   for (int i = 0; i < n; ++i)
@@ -71,7 +73,9 @@ QuadGrid o_grid(const PolarOutline& outline, double size) {
     return side == 0 ? core(t, 0) : side == 1 ? core(n, t) : side == 2 ? core(n - t, n) : core(0, n - t);
   };
   const int first_ring = static_cast<int>(g.points.size());
-  auto ring_index = [&](int ring, int k) { return ring == 0 ? core_rim_index(k) : first_ring + (ring - 1) * 4 * n + k % (4 * n); };
+  auto ring_index = [&](int ring, int k) {
+    return ring == 0 ? core_rim_index(k) : first_ring + (ring - 1) * 4 * n + k % (4 * n);
+  };
   for (int ring = 1; ring <= rings; ++ring)
     for (int k = 0; k < 4 * n; ++k) {
       const double t = static_cast<double>(ring) / rings;
@@ -166,11 +170,16 @@ Tube build_tube(const Annulus& annulus, const TubeOptions& options, TubeReport* 
     const double shift = widen_to_contain(outline, tips, options.clearance);
     local.widened += shift;
     if (shift > 0)
-      local.notes.push_back(fmt::format("tube widened by up to {:.2f} mm so that the papillary tips lie inside; blood can pass between wall and annulus there", shift));
+      local.notes.push_back(fmt::format(
+          "tube widened by up to {:.2f} mm so that the papillary tips lie inside; blood can pass between wall and annulus there",
+          shift));
   }
-  for (const Vec2& p : tips) local.tips_outside = std::max(local.tips_outside, p.norm() - radius_at(outline, std::atan2(p.y(), p.x())));
+  for (const Vec2& p : tips)
+    local.tips_outside = std::max(local.tips_outside, p.norm() - radius_at(outline, std::atan2(p.y(), p.x())));
   if (local.tips_outside > 0)
-    local.notes.push_back(fmt::format("a papillary tip lies {:.2f} mm outside the tube's wall; the wall follows the annulus and does not act on chordae", local.tips_outside));
+    local.notes.push_back(fmt::format(
+        "a papillary tip lies {:.2f} mm outside the tube's wall; the wall follows the annulus and does not act on chordae",
+        local.tips_outside));
   for (int i = 0; i < outline_samples; ++i) tube.cross_section.push_back(point_at(outline, 2 * pi * i / outline_samples));
   local.gap_min = 1e300;
   for (const Vec2& p : rim) {
@@ -185,17 +194,22 @@ Tube build_tube(const Annulus& annulus, const TubeOptions& options, TubeReport* 
   tube.z_atrium = h * std::ceil(needed_atrium / h - 1e-9);
   local.lengthened_ventricle = -tube.z_ventricle - options.length_ventricle;
   if (needed_ventricle > options.length_ventricle)
-    local.notes.push_back(fmt::format("ventricular side lengthened from {:.1f} to {:.1f} mm: the lowest papillary tip or leaflet point lies {:.1f} mm below the annulus plane",
-                                      options.length_ventricle, -tube.z_ventricle, -lowest));
+    local.notes.push_back(
+        fmt::format("ventricular side lengthened from {:.1f} to {:.1f} mm: the lowest papillary tip or leaflet point lies {:.1f} "
+                    "mm below the annulus plane",
+                    options.length_ventricle, -tube.z_ventricle, -lowest));
   if (needed_atrium > options.length_atrium)
-    local.notes.push_back(fmt::format("atrial side lengthened from {:.1f} to {:.1f} mm: the annulus reaches {:.1f} mm above its plane",
-                                      options.length_atrium, tube.z_atrium, highest));
+    local.notes.push_back(
+        fmt::format("atrial side lengthened from {:.1f} to {:.1f} mm: the annulus reaches {:.1f} mm above its plane",
+                    options.length_atrium, tube.z_atrium, highest));
   fill_grid(tube, options);
   fill_hexahedra(tube, outline, options.hex_size > 0 ? options.hex_size : 2 * h);
   local.jacobian_min = smallest_scaled_jacobian(tube);
   if (!(local.jacobian_min > 0))
-    throw GateError(fmt::format("tube: a hexahedron of the cross-section is inverted (scaled Jacobian {:.3f}); lower tube harmonics or smooth the annulus",
-                                local.jacobian_min));
+    throw GateError(
+        fmt::format("tube: a hexahedron of the cross-section is inverted (scaled Jacobian {:.3f}); lower tube harmonics or "
+                    "smooth the annulus",
+                    local.jacobian_min));
   if (report) *report = local;
   return tube;
 }
@@ -206,7 +220,8 @@ double smallest_scaled_jacobian(const Tube& tube) {
     for (const auto& c : hex_corners) {
       const Vec3 o = tube.points[at(hex[c[0]])];
       Mat3 edges;
-      for (Eigen::Index k = 0; k < 3; ++k) edges.col(k) = (tube.points[at(hex[c[static_cast<std::size_t>(k) + 1]])] - o).normalized();
+      for (Eigen::Index k = 0; k < 3; ++k)
+        edges.col(k) = (tube.points[at(hex[c[static_cast<std::size_t>(k) + 1]])] - o).normalized();
       smallest = std::min(smallest, edges.determinant());
     }
   return smallest;
@@ -236,7 +251,8 @@ bool inside_outline(const std::vector<Vec2>& outline, const Vec2& p) {
   bool inside = false;
   for (std::size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
     const Vec2 &a = outline[i], &b = outline[j];
-    if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < a.x() + (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y())) inside = !inside;
+    if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < a.x() + (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()))
+      inside = !inside;
   }
   return inside;
 }
@@ -244,7 +260,8 @@ bool inside_outline(const std::vector<Vec2>& outline, const Vec2& p) {
 std::vector<Gate> check_tube(const Tube& tube, const Annulus& annulus, const std::vector<Vec3>& tips) {
   Gate jacobian{"tube.jacobian_min", false, smallest_scaled_jacobian(tube), 0.1, ">=", "", -1, ""};
   jacobian.passed = !tube.hexes.empty() && jacobian.value >= jacobian.limit;
-  jacobian.message = fmt::format("{} hexahedra, {:.1f} mm3, smallest scaled Jacobian {:.3f}", tube.hexes.size(), hex_volume(tube), jacobian.value);
+  jacobian.message = fmt::format("{} hexahedra, {:.1f} mm3, smallest scaled Jacobian {:.3f}", tube.hexes.size(), hex_volume(tube),
+                                 jacobian.value);
   auto count_outside = [](const std::vector<Vec3>& points, const char* name, const std::string& what, auto&& is_inside) {
     Gate gate{name, false, 0, 0, "==", "points", -1, ""};
     for (std::size_t i = 0; i < points.size(); ++i) {

@@ -27,7 +27,8 @@ Vec3 centre_of(const LeafletMesh& m, std::size_t e) {
 std::string place(const LeafletMesh& m, long e) {
   const Vec3 c = centre_of(m, at(e));
   const Vec2 uv = m.unfolded.empty() ? Vec2::Zero() : m.unfolded[at(m.tets[at(e)][0])];
-  return fmt::format("element {} at ({:.2f}, {:.2f}, {:.2f}) mm, unfolded ({:.2f}, {:.2f}) mm", e, c.x(), c.y(), c.z(), uv.x(), uv.y());
+  return fmt::format("element {} at ({:.2f}, {:.2f}, {:.2f}) mm, unfolded ({:.2f}, {:.2f}) mm", e, c.x(), c.y(), c.z(), uv.x(),
+                     uv.y());
 }
 
 double volume(const LeafletMesh& m, std::size_t e) {
@@ -38,8 +39,16 @@ double volume(const LeafletMesh& m, std::size_t e) {
 
 /// Smallest Jacobian determinant over the ten nodes, over 6 times the volume of the straight element (1 for straight edges).
 double smallest_quadratic_jacobian(const LeafletMesh& m, std::size_t e) {
-  constexpr std::array<std::array<double, 4>, 10> nodes{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}, {.5, .5, 0, 0},
-                                                         {0, .5, .5, 0}, {.5, 0, .5, 0}, {.5, 0, 0, .5}, {0, .5, 0, .5}, {0, 0, .5, .5}}};
+  constexpr std::array<std::array<double, 4>, 10> nodes{{{1, 0, 0, 0},
+                                                         {0, 1, 0, 0},
+                                                         {0, 0, 1, 0},
+                                                         {0, 0, 0, 1},
+                                                         {.5, .5, 0, 0},
+                                                         {0, .5, .5, 0},
+                                                         {.5, 0, .5, 0},
+                                                         {.5, 0, 0, .5},
+                                                         {0, .5, 0, .5},
+                                                         {0, 0, .5, .5}}};
   double smallest = 1e300;
   for (const auto& l : nodes) {
     // dx/dl_i with N_i = l_i (2 l_i - 1), N_ij = 4 l_i l_j
@@ -141,7 +150,8 @@ Gate gate_boundary(const LeafletMesh& m) {
   else if (b.triangles.empty())
     g.message = "the mesh has no boundary";
   else if (bad > 0)
-    g.message = fmt::format("{} directed boundary edges are not matched by exactly one opposite edge, first at {}", bad, place(m, g.worst_element));
+    g.message = fmt::format("{} directed boundary edges are not matched by exactly one opposite edge, first at {}", bad,
+                            place(m, g.worst_element));
   else
     g.message = fmt::format("the boundary encloses {:.6f} mm3 but the elements hold {:.6f} mm3", enclosed, sum);
   return g;
@@ -160,7 +170,7 @@ Gate gate_volumes(const LeafletMesh& m) {
     }
   }
   g.passed = !m.tets.empty() && g.value > 0 && jacobian > 0;
-  g.message = g.passed ? fmt::format("{} elements, {:.3f} mm3 in all, all positive", m.tets.size(), total)
+  g.message = g.passed         ? fmt::format("{} elements, {:.3f} mm3 in all, all positive", m.tets.size(), total)
               : m.tets.empty() ? "the mesh has no elements"
                                : fmt::format("inverted or flat: {} has {:.3e} mm3", place(m, g.worst_element), g.value);
   if (m.order == 2) g.message += fmt::format("; smallest relative Jacobian at the nodes {:.4f}", jacobian);
@@ -170,12 +180,20 @@ Gate gate_volumes(const LeafletMesh& m) {
 namespace {
 
 Gate gate_dihedral(const LeafletMesh& m, double limit, bool smallest) {
-  Gate g{smallest ? "leaflets.dihedral_min" : "leaflets.dihedral_max", false, smallest ? 180.0 : 0.0, limit, smallest ? ">=" : "<=", "deg", -1, ""};
+  Gate g{smallest ? "leaflets.dihedral_min" : "leaflets.dihedral_max",
+         false,
+         smallest ? 180.0 : 0.0,
+         limit,
+         smallest ? ">=" : "<=",
+         "deg",
+         -1,
+         ""};
   long beyond = 0;
   for (std::size_t e = 0; e < m.tets.size(); ++e) {
     const auto& t = m.tets[e];
     const auto angles = dihedral_angles(m.points[at(t[0])], m.points[at(t[1])], m.points[at(t[2])], m.points[at(t[3])]);
-    const double angle = smallest ? *std::min_element(angles.begin(), angles.end()) : *std::max_element(angles.begin(), angles.end());
+    const double angle =
+        smallest ? *std::min_element(angles.begin(), angles.end()) : *std::max_element(angles.begin(), angles.end());
     if (!(smallest ? angle >= limit : angle <= limit)) ++beyond;
     if (!(smallest ? angle >= g.value : angle <= g.value)) {
       g.value = angle;
@@ -184,7 +202,8 @@ Gate gate_dihedral(const LeafletMesh& m, double limit, bool smallest) {
   }
   g.passed = !m.tets.empty() && beyond == 0;
   g.message = m.tets.empty() ? "the mesh has no elements"
-                             : fmt::format("{} dihedral angle {:.2f} degrees in {}", smallest ? "smallest" : "largest", g.value, place(m, std::max(0L, g.worst_element)));
+                             : fmt::format("{} dihedral angle {:.2f} degrees in {}", smallest ? "smallest" : "largest", g.value,
+                                           place(m, std::max(0L, g.worst_element)));
   if (beyond > 0) g.message += fmt::format("; {} elements beyond the limit (slivers)", beyond);
   return g;
 }
@@ -232,9 +251,10 @@ Gate gate_layers(const LeafletMesh& m, int layers) {
   }
   if (checked == 0) g.value = 0;
   g.passed = checked > 0 && wrong == 0;
-  g.message = g.passed ? fmt::format("{} layers under each of {} atrial triangles", layers, checked)
+  g.message = g.passed       ? fmt::format("{} layers under each of {} atrial triangles", layers, checked)
               : checked == 0 ? "no triangle of the boundary lies on the atrial face"
-                             : fmt::format("{} of {} atrial triangles do not have {} layers, first at {}", wrong, checked, layers, place(m, g.worst_element));
+                             : fmt::format("{} of {} atrial triangles do not have {} layers, first at {}", wrong, checked, layers,
+                                           place(m, g.worst_element));
   return g;
 }
 
@@ -244,7 +264,7 @@ Gate gate_spacing(const LeafletMesh& m, double fluid_spacing, double tolerance) 
   std::vector<double> lengths;
   std::set<std::pair<int, int>> done;
   double longest = 0;
-  const double share = m.order == 2 ? 0.5 : 1.0;   // a mid-edge node halves the distance between neighbouring solid points
+  const double share = m.order == 2 ? 0.5 : 1.0;  // a mid-edge node halves the distance between neighbouring solid points
   for (std::size_t e = 0; e < m.tets.size(); ++e)
     for (const auto& [i, j] : tet_edges) {
       const int a = m.tets[e][i], b = m.tets[e][j];
@@ -265,12 +285,14 @@ Gate gate_spacing(const LeafletMesh& m, double fluid_spacing, double tolerance) 
   }
   const auto rank = static_cast<std::ptrdiff_t>(0.999 * static_cast<double>(lengths.size() - 1));
   std::nth_element(lengths.begin(), lengths.begin() + rank, lengths.end());
-  g.passed = g.value <= g.limit * (1 + 1e-9);   // thickness/layers may equal the limit up to rounding
+  g.passed = g.value <= g.limit * (1 + 1e-9);  // thickness/layers may equal the limit up to rounding
   g.message = fmt::format(
-      "longest distance between neighbouring solid points {:.4f} mm (99.9th percentile {:.4f}, with prism diagonals {:.4f}) against half the "
+      "longest distance between neighbouring solid points {:.4f} mm (99.9th percentile {:.4f}, with prism diagonals {:.4f}) "
+      "against half the "
       "fluid spacing of {:.4f} mm",
       g.value, lengths[at(rank)], longest, fluid_spacing);
-  if (!g.passed) g.message += "; worst " + place(m, g.worst_element) + "; lower mesh.spacing, or raise mesh.layers if the thickness sets it";
+  if (!g.passed)
+    g.message += "; worst " + place(m, g.worst_element) + "; lower mesh.spacing, or raise mesh.layers if the thickness sets it";
   return g;
 }
 
@@ -278,7 +300,8 @@ Gate gate_fibres(const LeafletMesh& m) {
   Gate g{"leaflets.fibre_defect", false, 0, 1e-6, "<=", "", -1, ""};
   if (m.fibre.size() != m.tets.size() || m.sheet_normal.size() != m.tets.size()) {
     g.value = 1;
-    g.message = fmt::format("{} fibres and {} sheet normals for {} elements", m.fibre.size(), m.sheet_normal.size(), m.tets.size());
+    g.message =
+        fmt::format("{} fibres and {} sheet normals for {} elements", m.fibre.size(), m.sheet_normal.size(), m.tets.size());
     return g;
   }
   bool finite = true;
@@ -296,8 +319,8 @@ Gate gate_fibres(const LeafletMesh& m) {
     }
   }
   g.passed = !m.tets.empty() && g.value <= g.limit;
-  g.message = g.passed ? "every fibre is unit, finite and tangent to the mid-surface"
-              : !finite ? "a fibre is not finite: " + place(m, g.worst_element)
+  g.message = g.passed         ? "every fibre is unit, finite and tangent to the mid-surface"
+              : !finite        ? "a fibre is not finite: " + place(m, g.worst_element)
               : m.tets.empty() ? "the mesh has no elements"
                                : fmt::format("fibre not unit (1e-9) or not tangent (1e-6): {}", place(m, g.worst_element));
   return g;
@@ -306,7 +329,10 @@ Gate gate_fibres(const LeafletMesh& m) {
 std::vector<Gate> gate_insertions(const LeafletMesh& m, const Chordae& c) {
   Gate sums{"chordae.insertion_sum_error", false, 0, 1e-9, "<=", "", -1, ""};
   Gate faces{"chordae.insertion_one_sided", false, 0, 0, "==", "ends", -1, ""};
-  struct End { double sum = 0; bool atrial = false, ventricular = false; };
+  struct End {
+    double sum = 0;
+    bool atrial = false, ventricular = false;
+  };
   std::map<int, End> ends;
   std::string fault;
   for (const Insertion& i : c.insertions) {
@@ -342,18 +368,21 @@ std::vector<Gate> gate_insertions(const LeafletMesh& m, const Chordae& c) {
       sums.worst_element = s.b;
     }
   sums.passed = fault.empty() && sums.value <= sums.limit;
-  sums.message = !fault.empty() ? fault : fmt::format("{} leaflet ends, largest error of the sum of weights {:.2e}", ends.size(), sums.value);
+  sums.message = !fault.empty()
+                     ? fault
+                     : fmt::format("{} leaflet ends, largest error of the sum of weights {:.2e}", ends.size(), sums.value);
   faces.value = static_cast<double>(one_sided);
   faces.passed = one_sided == 0;
   faces.message = faces.passed ? "every leaflet end holds nodes of both faces"
-                               : fmt::format("{} leaflet ends hold nodes of one face only, first chordae point {}", one_sided, faces.worst_element);
+                               : fmt::format("{} leaflet ends hold nodes of one face only, first chordae point {}", one_sided,
+                                             faces.worst_element);
   return {sums, faces};
 }
 
 GateReport check_leaflets(const LeafletMesh& m, const GateLimits& limits) {
   GateReport r;
-  r.gates = {gate_boundary(m), gate_volumes(m), gate_dihedral_min(m, limits.dihedral_min), gate_dihedral_max(m, limits.dihedral_max),
-             gate_layers(m, limits.layers)};
+  r.gates = {gate_boundary(m), gate_volumes(m), gate_dihedral_min(m, limits.dihedral_min),
+             gate_dihedral_max(m, limits.dihedral_max), gate_layers(m, limits.layers)};
   if (limits.fluid_spacing > 0) r.gates.push_back(gate_spacing(m, limits.fluid_spacing, limits.spacing_tolerance));
   r.gates.push_back(gate_fibres(m));
   return r;

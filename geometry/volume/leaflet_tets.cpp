@@ -22,13 +22,15 @@ void check(const MidSurface& s, const ThickenOptions& o) {
     throw InputError("mid-surface: per-point or per-triangle arrays do not match the number of points or triangles");
   for (const auto& t : s.triangles)
     for (int v : t)
-      if (v < 0 || at(v) >= n) throw InputError("mid-surface: a triangle refers to point " + std::to_string(v) + " of " + std::to_string(n));
+      if (v < 0 || at(v) >= n)
+        throw InputError("mid-surface: a triangle refers to point " + std::to_string(v) + " of " + std::to_string(n));
 }
 
 using Tet = std::array<int, 4>;
 
-/// Prism with lower triangle a, b, c and upper one A, B, C (positive volume when the lower triangle is counter-clockwise seen from the upper). `rank`
-/// orders the columns: on each side wall the diagonal starts below the column of lower rank, which is the same seen from either prism.
+/// Prism with lower triangle a, b, c and upper one A, B, C (positive volume when the lower triangle is counter-clockwise seen
+/// from the upper). `rank` orders the columns: on each side wall the diagonal starts below the column of lower rank, which is the
+/// same seen from either prism.
 std::array<Tet, 3> split_prism(std::array<int, 3> lower, std::array<int, 3> upper, std::array<int, 3> rank) {
   const auto first = static_cast<std::size_t>(std::min_element(rank.begin(), rank.end()) - rank.begin());
   const std::array<std::size_t, 3> k{first, (first + 1) % 3, (first + 2) % 3};
@@ -58,7 +60,7 @@ LeafletMesh thicken(const MidSurface& s, const ThickenOptions& o) {
     const auto& tri = s.triangles[t];
     const Vec3 normal = (s.normals[at(tri[0])] + s.normals[at(tri[1])] + s.normals[at(tri[2])]).normalized();
     Vec3 tangent = s.axis.cross(normal);
-    if (tangent.norm() < 1e-6) {   // the surface lies in the annulus plane: any tangent is parallel to it
+    if (tangent.norm() < 1e-6) {  // the surface lies in the annulus plane: any tangent is parallel to it
       const Vec3 edge = s.points[at(tri[1])] - s.points[at(tri[0])];
       tangent = edge - edge.dot(normal) * normal;
     }
@@ -69,8 +71,8 @@ LeafletMesh thicken(const MidSurface& s, const ThickenOptions& o) {
         inner[k] = layer * n + tri[k];
         outer[k] = inner[k] + n;
       }
-      // The triangle is counter-clockwise seen from the atrial face. The ventricular half is the mirror image of the atrial half: the
-      // prism is turned upside down, which also reverses its triangle.
+      // The triangle is counter-clockwise seen from the atrial face. The ventricular half is the mirror image of the atrial half:
+      // the prism is turned upside down, which also reverses its triangle.
       const bool mirrored = 2 * layer >= o.layers;
       std::array<Tet, 3> tets;
       if (!mirrored)
@@ -96,7 +98,8 @@ LeafletMesh to_quadratic(const LeafletMesh& linear, double perimeter) {
   std::map<std::pair<int, int>, int> middle;
   for (auto& tet : m.tets)
     for (std::size_t e = 0; e < 6; ++e) {
-      const int a = std::min(tet[at(edges[e][0])], tet[at(edges[e][1])]), b = std::max(tet[at(edges[e][0])], tet[at(edges[e][1])]);
+      const int a = std::min(tet[at(edges[e][0])], tet[at(edges[e][1])]),
+                b = std::max(tet[at(edges[e][0])], tet[at(edges[e][1])]);
       const auto [entry, added] = middle.try_emplace({a, b}, static_cast<int>(m.points.size()));
       tet[4 + e] = entry->second;
       if (!added) continue;

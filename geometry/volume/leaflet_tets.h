@@ -9,17 +9,18 @@
 namespace mv {
 
 struct ThickenOptions {
-  double thickness = 1;   // mm
-  int layers = 2;         // >= 1
-  int order = 1;          // 1: 4-node, 2: 10-node (C3D10) with straight edges
+  double thickness = 1;  // mm
+  int layers = 2;        // >= 1
+  int order = 1;         // 1: 4-node, 2: 10-node (C3D10) with straight edges
 };
 
-/// Level l = 0..layers of point i lies at x_i + (1/2 - l/layers) thickness n_i: level 0 is the atrial face. Each triangle and layer is a prism, split into
-/// three tetrahedra by a total order of the mid-surface points, so neighbouring prisms share their diagonals; the split of the ventricular
-/// half mirrors that of the atrial half. Point index of level l = l * surface.points.size() + i for linear elements; mid-edge points follow.
-/// Fills every field of LeafletMesh; fibre is the tangent parallel to the annulus plane, normalize(axis x sheet_normal) (direction of
-/// increasing u), for a fibre stage to replace. Point flags of mid-edge points hold when they hold at both ends.
-/// Throws InputError for inconsistent sizes, ConfigError for thickness, layers or order out of range. Volumes are not checked here: see gates.h.
+/// Level l = 0..layers of point i lies at x_i + (1/2 - l/layers) thickness n_i: level 0 is the atrial face. Each triangle and
+/// layer is a prism, split into three tetrahedra by a total order of the mid-surface points, so neighbouring prisms share their
+/// diagonals; the split of the ventricular half mirrors that of the atrial half. Point index of level l = l *
+/// surface.points.size() + i for linear elements; mid-edge points follow. Fills every field of LeafletMesh; fibre is the tangent
+/// parallel to the annulus plane, normalize(axis x sheet_normal) (direction of increasing u), for a fibre stage to replace. Point
+/// flags of mid-edge points hold when they hold at both ends. Throws InputError for inconsistent sizes, ConfigError for
+/// thickness, layers or order out of range. Volumes are not checked here: see gates.h.
 LeafletMesh thicken(const MidSurface& surface, const ThickenOptions& options);
 
 /// The same linear mesh with a point in the middle of every edge (VTK order).

@@ -180,10 +180,10 @@ void CandidateSearch::update(std::span<const double> x, double radius) {
     checksum += radius_[f] + centre_[f].sum();
   }
   if (!std::isfinite(checksum)) throw TrustError("contact: positions are not finite; the run has diverged");
-  // Cells of half the search distance: a node looks at 5 x 5 rows of them.
+  // Cells of the search distance: a node looks at 3 x 3 rows of them, long enough for vector instructions.
   const double distance = radius + radius_max;
   const float margin = static_cast<float>(1e-6 * (lower.norm() + upper.norm()) + 1e-4 * radius);  // single precision
-  grid_.reset(lower, upper, 0.5 * distance);
+  grid_.reset(lower, upper, distance);
   grid_.sort(triangles, [&](int f) { return grid_.cell_index(grid_.cell(centre_[f])); });
   for (auto* array : {&cx_, &cy_, &cz_, &reach_squared_, &rx_, &ry_, &rz_}) array->resize(surface_.triangles.size());
   parallel_for(triangles, [&](std::ptrdiff_t k) {

@@ -12,9 +12,17 @@ namespace mv::contact {
 
 using Vec3 = Eigen::Vector3d;
 
-/// A triangle (a, a + e1, a + e2) ready for projections. `g`: metric of the edges, `area_vector` = e1 x e2.
+/// What decides, for most pairs, that they do not see each other: one cache line.
+struct alignas(64) FacetHead {
+  Vec3 n = Vec3::Zero();       // outward unit normal; zero for a degenerate triangle
+  Vec3 centre = Vec3::Zero();  // centroid
+  double size = 0;             // largest distance from the centroid to a corner
+  double area2 = 0;            // twice the area
+};
+
+/// A triangle (a, a + e1, a + e2) ready for projections, with the metric of its edges.
 struct Facet {
-  Vec3 n = Vec3::Zero();  // outward unit normal; zero for a degenerate triangle
+  Vec3 n = Vec3::Zero();
   Vec3 a = Vec3::Zero();
   Vec3 e1 = Vec3::Zero(), e2 = Vec3::Zero();
   double g11 = 0, g12 = 0, g22 = 0, inverse_det = 0;
@@ -37,6 +45,16 @@ inline Facet make_facet(const Vec3& a, const Vec3& b, const Vec3& c, double radi
     f.inverse_det = 1 / det;
   }
   return f;
+}
+
+inline FacetHead make_head(const Facet& f) {
+  FacetHead h;
+  h.n = f.n;
+  const Vec3 offset = (f.e1 + f.e2) / 3;
+  h.centre = f.a + offset;
+  h.size = std::sqrt(std::max({offset.squaredNorm(), (f.e1 - offset).squaredNorm(), (f.e2 - offset).squaredNorm()}));
+  h.area2 = f.inverse_det > 0 ? std::sqrt(1 / f.inverse_det) : 0.0;
+  return h;
 }
 
 /// Foot of the perpendicular (barycentric l1, l2 of corners b, c; may lie outside) and the point of the triangle nearest to it (b1, b2).

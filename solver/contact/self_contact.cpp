@@ -80,7 +80,7 @@ struct SelfContact::Impl {
   double p_max;             // m, largest distance along the normal that can matter
   double reach;             // m, largest distance to a triangle that can matter
   std::vector<double> node_stiffness;      // N/m
-  std::vector<double> facet_radius_squared;
+  std::vector<double> facet_radius_squared, averaging_radius;  // R_f^2 and R_f
   std::vector<int> ring_corner;            // which corner of ring[r] the node is
 
   // Candidates: refreshed by a search.
@@ -98,8 +98,7 @@ struct SelfContact::Impl {
 
   // Per step.
   std::vector<Facet> facets;
-  std::vector<Vec3> area_vectors;          // e1 x e2
-  std::vector<FacetMotion> motions;
+  std::vector<contact::FacetHead> heads;
   std::vector<int> record_of_pair;         // -1: no reaction
   std::vector<CornerForces> records;
   std::vector<CornerForces> facet_force;
@@ -111,6 +110,7 @@ struct SelfContact::Impl {
   std::vector<double> gap, normal_force, pressure, area, energy, slip_energy, dissipation;
   std::vector<Vec3> own_force, friction_force, normal, nodal_force, slip;
   std::vector<int> partner;
+  std::vector<char> is_active;
 
   Impl(const ContactSurface& s, const ContactOptions& o) : surface(s), options(resolve(s, o)), search(s, options.exclusion_radius) {
     const std::size_t nodes = s.nodes.size(), triangles = s.triangles.size();
@@ -123,6 +123,8 @@ struct SelfContact::Impl {
       facet_radius_squared[f] = options.averaging_ratio * options.averaging_ratio * rest_area * 4 / std::sqrt(3.0);
       radius_squared_max = std::max(radius_squared_max, facet_radius_squared[f]);
     }
+    averaging_radius.resize(triangles);
+    for (std::size_t f = 0; f < triangles; ++f) averaging_radius[f] = std::sqrt(facet_radius_squared[f]);
     sheet_separation = 0.5 * s.mean_edge;
     p_max = std::max(options.threshold + sheet_separation, options.penetration_limit);
     reach = std::sqrt((1 + lateral_growth * lateral_growth) * p_max * p_max + radius_squared_max);
@@ -137,8 +139,8 @@ struct SelfContact::Impl {
     stamp.assign(triangles, 0);
     node_stamp.assign(nodes, 0);
     facets.resize(triangles);
-    area_vectors.assign(triangles, Vec3::Zero());
-    if (options.friction > 0) motions.resize(triangles);
+    heads.resize(triangles);
+    is_active.assign(nodes, 0);
     facet_force.resize(triangles);
     facet_active.assign(triangles, 0);
     for (auto* array : {&normal_force, &pressure, &area, &energy, &slip_energy, &dissipation}) array->assign(nodes, 0.0);
@@ -158,6 +160,7 @@ struct SelfContact::Impl {
     normal_force[n] = pressure[n] = area[n] = energy[n] = slip_energy[n] = dissipation[n] = 0;
     own_force[n] = friction_force[n] = normal[n] = nodal_force[n] = Vec3::Zero();
     partner[n] = -1;
+    is_active[n] = 0;
   }
 
   /// Energy of the node's elastic slip, which is lost when the contact opens.
@@ -221,7 +224,7 @@ struct SelfContact::Impl {
       stamp[masters[m]] = master_start[m];
     }
     master_pair.resize(static_cast<std::size_t>(search.pair_count()));
-    record_of_pair.resize(master_pair.size());
+    record_of_pair.assign(master_pair.size(), -1);
     records.resize(master_pair.size());
     for (int n : slaves) {
       int pair = search.first_pair(n);
@@ -238,15 +241,14 @@ struct SelfContact::Impl {
     }
   }
 
-  void compute_frames(std::span<const double> x, std::span<const double> v) {
+  void compute_frames(std::span<const double> x) {
     parallel_for(static_cast<std::ptrdiff_t>(frames_needed.size()), [&](std::ptrdiff_t k) {
       const int f = frames_needed[k];
       const auto& t = surface.triangles[f];
       const int i = surface.nodes[t[0]], j = surface.nodes[t[1]], l = surface.nodes[t[2]];
       facets[f] = contact::make_facet(at(x, i), at(x, j), at(x, l), facet_radius_squared[f]);
-      area_vectors[f] = facets[f].e1.cross(facets[f].e2);
+      heads[f] = contact::make_head(facets[f]);
       facet_active[f] = 0;
-      if (options.friction > 0) motions[f] = motion_of(facets[f], at(v, i), at(v, j), at(v, l));
     });
   }
 
@@ -270,12 +272,18 @@ struct SelfContact::Impl {
     int pair = search.first_pair(node) - 1;
     for (int f : search.triangles_of(node)) {
       ++pair;
-      const Facet& facet = facets[f];
-      const double cosine = facet.n.dot(n);
+      const contact::FacetHead& head = heads[f];
+      const double cosine = head.n.dot(n);
       if (!(cosine < facing_cosine)) continue;
+      const Vec3 from_centre = x - head.centre;
+      const double height = head.n.dot(from_centre);
+      if (!(height > -options.penetration_limit && height < p_max)) continue;
+      // Lateral distance is at least that to the centroid less the triangle's size; the averaging radius is at most R_f + gamma |p|.
+      const double far = head.size + averaging_radius[f] + lateral_growth * std::abs(height);
+      if (from_centre.squaredNorm() - height * height > 1.0001 * far * far) continue;
+      const Facet& facet = facets[f];
       const Vec3 d = x - facet.a;
       const double p = facet.n.dot(d);
-      if (!(p > -options.penetration_limit && p < p_max)) continue;
       const auto q = contact::project(facet, d);
       const double reach_squared = facet.radius_squared + lateral_growth * lateral_growth * p * p;
       if (!(q.lateral_squared < reach_squared)) continue;
@@ -317,7 +325,7 @@ struct SelfContact::Impl {
 
   Vec3 node_normal(int node) const {
     Vec3 sum = Vec3::Zero();
-    for (int r = surface.ring_start[node]; r < surface.ring_start[node + 1]; ++r) sum += area_vectors[surface.ring[r]];
+    for (int r = surface.ring_start[node]; r < surface.ring_start[node + 1]; ++r) sum += heads[surface.ring[r]].area2 * heads[surface.ring[r]].n;
     const double length = sum.norm();
     return length > 0 ? Vec3(sum / length) : Vec3::Zero();
   }
@@ -325,18 +333,22 @@ struct SelfContact::Impl {
   double current_area(int node) const {
     double sum = 0;
     for (int r = surface.ring_start[node]; r < surface.ring_start[node + 1]; ++r) {
-      if (surface.triangle_side[surface.ring[r]] == surface.node_side[node]) sum += area_vectors[surface.ring[r]].norm();
+      if (surface.triangle_side[surface.ring[r]] == surface.node_side[node]) sum += heads[surface.ring[r]].area2;
     }
     return sum / 6;
   }
 
   /// All of one slave node: outputs, its own force, records of the reactions.
   void evaluate_slave(int node, std::span<const double> x, std::span<const double> v, double dt, std::vector<Sight>& seen) {
-    clear_outputs(node);
-    const int first = search.first_pair(node), count = static_cast<int>(search.triangles_of(node).size());
-    std::fill_n(record_of_pair.begin() + first, count, -1);
-    const int solid_node = surface.nodes[node];
-    const Vec3 position = at(x, solid_node);
+    const int first = search.first_pair(node);
+    if (is_active[node]) {
+      clear_outputs(node);
+      std::fill_n(record_of_pair.begin() + first, search.triangles_of(node).size(), -1);
+    }
+    gap[node] = infinity;
+    partner[node] = -1;
+    if (dissipation[node] != 0) dissipation[node] = 0;
+    const Vec3 position = at(x, surface.nodes[node]);
     const double total = look(position, node_normal(node), node, seen);
     double g = 0;
     if (total > 0) {
@@ -384,23 +396,25 @@ struct SelfContact::Impl {
       record_of_pair[s.pair] = record++;
       std::atomic_ref<char>(facet_active[s.triangle]).store(1, std::memory_order_relaxed);
     }
+    is_active[node] = 1;
     own_force[node] = own;
     normal[node] = mean_normal.normalized();
     normal_force[node] = 2 * force;
     area[node] = current_area(node);
     pressure[node] = 2 * force / area[node];
     energy[node] = 0.5 * force * overlap;
-    if (options.friction > 0) add_friction(node, position, at(v, solid_node), dt, force, total, seen);
+    if (options.friction > 0) add_friction(node, position, v, dt, force, total, seen);
   }
 
   /// Coulomb friction of one slave pass; see README for the return mapping and the turning observer.
-  void add_friction(int node, const Vec3& x, const Vec3& v, double dt, double force, double total, const std::vector<Sight>& seen) {
+  void add_friction(int node, const Vec3& x, std::span<const double> velocities, double dt, double force, double total, const std::vector<Sight>& seen) {
     const Vec3 n = normal[node];
     Vec3 point = Vec3::Zero(), velocity = Vec3::Zero(), spin = Vec3::Zero();
     Mat3 inertia = Mat3::Zero();
     for (const Sight& s : seen) {
       const Facet& f = facets[s.triangle];
-      const FacetMotion& m = motions[s.triangle];
+      const auto& t = surface.triangles[s.triangle];
+      const FacetMotion m = motion_of(f, at(velocities, surface.nodes[t[0]]), at(velocities, surface.nodes[t[1]]), at(velocities, surface.nodes[t[2]]));
       const double share = s.weight / total;
       point += share * (f.a + s.b1 * f.e1 + s.b2 * f.e2);
       velocity += share * (m.v + s.b1 * m.dv1 + s.b2 * m.dv2);
@@ -410,7 +424,7 @@ struct SelfContact::Impl {
     const Mat3 inverse = inertia.inverse();
     const Vec3 omega = inverse * spin;
     const Vec3 arm = x - point;
-    const Vec3 relative = v - velocity - omega.cross(arm);
+    const Vec3 relative = at(velocities, surface.nodes[node]) - velocity - omega.cross(arm);
     const Vec3 advance = dt * (relative - n * n.dot(relative));
 
     // The history turns with the master, stays tangential and keeps its length.
@@ -475,7 +489,7 @@ struct SelfContact::Impl {
     ContactResult result;
     for (int n : slaves) {
       result.friction_dissipation += dissipation[n];
-      if (!(normal_force[n] > 0)) continue;
+      if (!is_active[n]) continue;
       ++result.active_nodes;
       result.normal_force += 0.5 * normal_force[n];
       result.friction_force += 0.5 * friction_force[n].norm();
@@ -511,7 +525,7 @@ ContactResult SelfContact::evaluate(std::span<const double> x, std::span<const d
     searched = true;
   }
   ++c.steps_since_search;
-  c.compute_frames(x, v);
+  c.compute_frames(x);
   c.sights.resize(std::max(c.sights.size(), static_cast<std::size_t>(thread_count())));
   parallel_ranges(static_cast<std::ptrdiff_t>(c.slaves.size()), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
     for (std::ptrdiff_t k = begin; k < end; ++k) c.evaluate_slave(c.slaves[k], x, v, dt, c.sights[thread]);
@@ -529,55 +543,68 @@ void SelfContact::closest_gaps(std::span<const double> x, double max_distance, b
   out.gap.assign(s.nodes.size(), infinity);
   out.point.assign(s.nodes.size(), Vec3::Zero());
   out.triangle.assign(s.nodes.size(), -1);
-  std::vector<Facet> facets(s.triangles.size());
-  std::vector<Vec3> centre(s.triangles.size()), normals(s.nodes.size());
-  std::vector<double> radius(s.triangles.size());
-  parallel_for(triangles, [&](std::ptrdiff_t f) {
+  const auto facet_of = [&](int f) {
     const auto& t = s.triangles[f];
-    facets[f] = contact::make_facet(at(x, s.nodes[t[0]]), at(x, s.nodes[t[1]]), at(x, s.nodes[t[2]]), 0.0);
-    const Vec3 offset = (facets[f].e1 + facets[f].e2) / 3;
-    centre[f] = facets[f].a + offset;
-    radius[f] = std::sqrt(std::max({offset.squaredNorm(), (facets[f].e1 - offset).squaredNorm(), (facets[f].e2 - offset).squaredNorm()}));
-  });
-  current_node_normals(s, x, normals);
-  Vec3 lower = centre[0], upper = centre[0];
-  double radius_max = 0;
+    return contact::make_facet(at(x, s.nodes[t[0]]), at(x, s.nodes[t[1]]), at(x, s.nodes[t[2]]), 0.0);
+  };
+  std::vector<int> masters;
   for (int f = 0; f < triangles; ++f) {
-    lower = lower.cwiseMin(centre[f]);
-    upper = upper.cwiseMax(centre[f]);
-    radius_max = std::max(radius_max, radius[f]);
+    if (!atrial_only || s.triangle_side[f] > 0) masters.push_back(f);
   }
+  if (masters.empty()) return;
+  const int count = static_cast<int>(masters.size());
+  std::vector<contact::FacetHead> unsorted(masters.size()), heads(masters.size());
+  parallel_for(count, [&](std::ptrdiff_t m) { unsorted[m] = contact::make_head(facet_of(masters[m])); });
+  std::vector<Vec3> normals(s.nodes.size());
+  current_node_normals(s, x, normals);
+  Vec3 lower = unsorted[0].centre, upper = lower;
+  double size_max = 0, checksum = 0;
+  for (const auto& head : unsorted) {
+    lower = lower.cwiseMin(head.centre);
+    upper = upper.cwiseMax(head.centre);
+    size_max = std::max(size_max, head.size);
+    checksum += head.centre.sum() + head.size;
+  }
+  if (!std::isfinite(checksum)) throw TrustError("contact: positions are not finite; the run has diverged");
   BoxGrid grid;
-  grid.reset(lower, upper, std::max(1.5 * s.mean_edge, 0.125 * (max_distance + radius_max)));
-  grid.sort(triangles, [&](int f) { return grid.cell_index(grid.cell(centre[f])); });
+  grid.reset(lower, upper, std::max(1.5 * s.mean_edge, 0.125 * (max_distance + size_max)));
+  grid.sort(count, [&](int m) { return grid.cell_index(grid.cell(unsorted[m].centre)); });
+  parallel_for(count, [&](std::ptrdiff_t k) { heads[k] = unsorted[grid.item(static_cast<int>(k))]; });
   parallel_for(nodes, [&](std::ptrdiff_t n) {
     if (atrial_only && !s.on_atrial_face[n]) return;
     const Vec3 p = at(x, s.nodes[n]);
-    double best = max_distance * max_distance;
+    const Vec3 node_normal = normals[n];
+    double best = max_distance * max_distance, best_distance = max_distance;
     int best_triangle = -1;
     contact::Projection best_projection{};
-    const auto visit = [&](int f) {
-      if (atrial_only && s.triangle_side[f] <= 0) return;
-      const Facet& facet = facets[f];
-      if (!(facet.n.dot(normals[n]) < facing_cosine)) return;
-      const double closest = std::sqrt(best) + radius[f];
-      if ((p - centre[f]).squaredNorm() > closest * closest) return;
+    const auto measure = [&](int f) {
+      const Facet facet = facet_of(f);
       const Vec3 d = p - facet.a;
       const double height = facet.n.dot(d);
-      if (!(height > -c.options.penetration_limit)) return;
+      if (!(facet.n.dot(node_normal) < facing_cosine) || !(height > -c.options.penetration_limit)) return;
       const auto q = contact::project(facet, d);
       const double squared = q.lateral_squared + height * height;
       if (squared > best || (squared == best && best_triangle >= 0 && f > best_triangle)) return;
       if (c.search.is_excluded(static_cast<int>(n), f)) return;
       best = squared;
+      best_distance = std::sqrt(best);
       best_triangle = f;
       best_projection = q;
     };
+    // The partner of the last evaluation, if any, is a good first bound; the answer does not depend on it.
+    const int guess = c.partner[n];
+    if (guess >= 0 && (!atrial_only || s.triangle_side[guess] > 0)) measure(guess);
+    const auto visit = [&](int k) {
+      const contact::FacetHead& head = heads[k];
+      const double within = best_distance + head.size;
+      if ((p - head.centre).squaredNorm() > 1.0001 * within * within || !(head.n.dot(node_normal) < facing_cosine)) return;
+      measure(masters[grid.item(k)]);
+    };
     // Shells of cells around the node's own until nothing closer can follow.
     const auto home = grid.cell(p);
-    const int rings = static_cast<int>((max_distance + radius_max) / grid.cell_size()) + 1;
+    const int rings = static_cast<int>((max_distance + size_max) / grid.cell_size()) + 1;
     for (int ring = 0; ring <= rings; ++ring) {
-      if (ring > 1 && (ring - 1) * grid.cell_size() > std::sqrt(best) + radius_max) break;
+      if (ring > 1 && (ring - 1) * grid.cell_size() > best_distance + size_max) break;
       std::array<int, 3> low, high;
       for (int k = 0; k < 3; ++k) {
         low[k] = std::max(home[k] - ring, 0);
@@ -589,7 +616,7 @@ void SelfContact::closest_gaps(std::span<const double> x, double max_distance, b
           const auto run = [&](int from, int to) {
             if (from > to) return;
             grid.for_runs({from, j, k}, {to, j, k}, [&](int first, int last) {
-              for (int q = first; q < last; ++q) visit(grid.item(q));
+              for (int q = first; q < last; ++q) visit(q);
             });
           };
           if (shell) {
@@ -602,7 +629,7 @@ void SelfContact::closest_gaps(std::span<const double> x, double max_distance, b
       }
     }
     if (best_triangle < 0) return;
-    const Facet& facet = facets[best_triangle];
+    const Facet facet = facet_of(best_triangle);
     out.triangle[n] = best_triangle;
     out.point[n] = facet.a + best_projection.b1 * facet.e1 + best_projection.b2 * facet.e2;
     const double height = facet.n.dot(p - facet.a);

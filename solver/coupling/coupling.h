@@ -40,13 +40,13 @@ class Coupling {
   /// nodes being found once. `holding` (I, N, 3 per held node) is part of the state. Returns the work (J) done on the blood.
   double hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density);
 
-  /// New velocities and positions after the blood has moved; returns the kinetic energy (J) gained by released nodes' own motion being
-  /// caught or let go in this step (zero when none is).
+  /// New velocities and positions after the blood has moved.
   void move(const CoupledNodes& nodes, const FaceField& velocity, std::span<const double> forces, double dt);
 
   /// Acceleration (m/s2) that nodal forces cause without the pressure's reply: an upper bound of the mobility, for the stable step.
   void accelerate(const CoupledNodes& nodes, std::span<const double> forces, FaceField& scratch, std::span<double> out) const;
 
+  const std::vector<double>& masses() const { return masses_; }
   const Transfer& transfer() const { return transfer_; }
 
  private:

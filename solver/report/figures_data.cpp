@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <map>
 
+#include "solver/report/html.h"
+
 namespace mv {
 
 namespace {
@@ -140,6 +142,30 @@ Json map_data(const ContactMap& map, const MapView& view) {
   return out;
 }
 
+/// Where a hole is on the map: u of the atrial points nearest to its place in the last frame, one on each leaflet that borders on it
+/// (no more than `border` mm further away than the nearer one). Empty when its place is not known.
+Json places_on_map(const ResultsData& data, const Json& hole) {
+  constexpr double border = 3;
+  Json places = Json::array();
+  if (!data.map || !data.frames.closed || !hole.contains("place_mm") || !hole["place_mm"].is_array() || hole["place_mm"].size() != 3) return places;
+  Vec3 place;
+  for (std::size_t k = 0; k < 3; ++k) place[static_cast<Eigen::Index>(k)] = hole["place_mm"][k].is_number() ? hole["place_mm"][k].get<double>() : NAN;
+  const auto& points = data.frames.closed->mesh.points;
+  std::map<int, std::pair<double, double>> nearest;  // region -> distance, u
+  for (std::size_t i = 0; i < data.map->points.size(); ++i) {
+    const auto p = static_cast<std::size_t>(data.map->mesh_point[i]);
+    if (p >= points.size()) continue;
+    const double distance = (points[p] - place).norm();
+    const auto [at, is_new] = nearest.try_emplace(data.map->region[i], distance, data.map->points[i].x());
+    if (!is_new && distance < at->second.first) at->second = {distance, data.map->points[i].x()};
+  }
+  double closest = INFINITY;
+  for (const auto& [region, found] : nearest) closest = std::min(closest, found.first);
+  for (const auto& [region, found] : nearest)
+    if (found.first <= closest + border) places.push_back(rounded(found.second, 4));
+  return places;
+}
+
 }  // namespace
 
 Json figure_data(const ResultsData& data, const std::optional<MapView>& view) {
@@ -164,10 +190,11 @@ Json figure_data(const ResultsData& data, const std::optional<MapView>& view) {
   }
   if (data.map && view) out["map"] = map_data(*data.map, *view);
   if (const Json& holes = json_at(data.summary, "seal.holes"); holes.is_array())
-    for (const Json& hole : holes) {
-      const bool has_place = hole.is_object() && hole.contains("u_mm") && hole["u_mm"].is_number();
-      out["holes"].push_back({{"u", has_place ? hole["u_mm"] : Json()}, {"area", hole.is_object() && hole.contains("area_mm2") ? hole["area_mm2"] : Json("?")}});
-    }
+    for (const Json& hole : holes)
+      if (hole.is_object() && hole.contains("area_mm2")) out["holes"].push_back({{"u", places_on_map(data, hole)}, {"area", html::number(hole.value("area_mm2", NAN))}});
+  if (const Json& gaps = json_at(data.summary, "contact.belt_interruptions"); gaps.is_array())
+    for (const Json& gap : gaps)
+      if (gap.is_object() && gap.contains("u_from_mm") && gap.contains("u_to_mm")) out["interruptions"].push_back({{"from", gap["u_from_mm"]}, {"to", gap["u_to_mm"]}});
   return out;
 }
 

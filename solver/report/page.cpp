@@ -58,9 +58,9 @@ std::string key_numbers(const Json& summary) {
     double factor = 1;
   };
   static constexpr Number numbers[] = {
-      {"closing volume", "flow.closing_volume_ml", "ml"}, {"leak volume after closure", "flow.leak_volume_ml", "ml"}, {"mean net leak at the end", "flow.leak_rate_ml_s", "ml/s"},
+      {"closing volume", "flow.closing_volume_ml", "ml"}, {"closing time", "flow.closing_time_s", "ms", 1000}, {"leak volume after closure", "flow.leak_volume_ml", "ml"}, {"mean net leak at the end", "flow.leak_rate_ml_s", "ml/s"},
       {"smallest sealing threshold", "seal.smallest_sealing_threshold_mm", "mm"}, {"contact threshold", "seal.threshold_mm", "mm"}, {"area of holes", "seal.hole_area_mm2", "mm²"},
-      {"orifice area", "orifice.area_cm2", "cm²"}, {"contact force", "contact.force_N", "N"}, {"contact area", "contact.area_mm2", "mm²"}, {"mean belt width", "contact.belt_width_mm_mean", "mm"},
+      {"orifice area", "orifice.area_cm2", "cm²"}, {"orifice area, open", "orifice.open_area_cm2", "cm²"}, {"contact force", "contact.force_N", "N"}, {"contact area", "contact.area_mm2", "mm²"}, {"mean belt width", "contact.belt_width_mm_mean", "mm"}, {"median gap in the belt", "contact.belt_gap_mm_median", "mm"},
       {"largest penetration", "contact.penetration_max_mm", "mm"}, {"primary chordae, sum", "chordae.force_primary_N", "N"}, {"secondary chordae, sum", "chordae.force_secondary_N", "N"},
       {"papillary forces", "papillary.force_N", "N"}, {"bulging volume", "bulging.volume_ml", "ml"}, {"bulging area", "bulging.area_ratio", "%", 100}, {"peak velocity", "flow.peak_velocity_m_s", "m/s"},
       {"fluid cells", "fluid.cells", ""}, {"grid spacing", "fluid.spacing_mm", "mm"}, {"tetrahedra", "solid.tets", ""}, {"simulated", "run.simulated_s", "s"}, {"steps", "run.steps", ""},
@@ -91,6 +91,8 @@ std::string map_section(const ResultsData& data, const std::optional<MapView>& v
          "that joins commissure to commissure without a gap means that the leaflets close all along.</p>\n";
   std::string caption = "Contact pressure (total crossing the belt above atrial pressure). Grey: no contact. Colours end at " + html::number(view->pressure_scale) + " kPa";
   if (view->pressure_max > view->pressure_scale) caption += "; the highest value, " + html::number(view->pressure_max) + " kPa, is drawn in the last colour";
+  if (json_at(data.summary, "seal.sealed") == false) caption += ". Dashed: the leaflets' places nearest to each hole";
+  if (json_at(data.summary, "contact.belt_continuous") == false) caption += ". Shaded: where the belt is interrupted";
   return out + plot("fig-map", caption + ". Point at the map for values.");
 }
 

@@ -40,12 +40,27 @@ std::string text_at(const Json& object, const char* key) {
 
 std::string describe_hole(const Json& hole) {
   const std::string location = text_at(hole, "location");
-  std::string text = (location.empty() ? "unnamed place" : location) + " (";
+  std::string text = (location.empty() ? "unnamed place" : html::escape(location)) + " (";
   if (hole.contains("area_mm2")) text += html::value(hole["area_mm2"]) + " mm²";
   if (hole.contains("width_mm")) text += ", " + html::value(hole["width_mm"]) + " mm wide";
   for (const char* key : {"place_mm", "location_mm", "centre_mm"})
     if (hole.contains(key)) text += ", at " + html::value(hole[key]) + " mm";
   return text + ")";
+}
+
+std::string describe_interruptions(const Json& list) {
+  std::string text;
+  if (list.is_array())
+    for (const Json& gap : list) {
+      if (!gap.is_object() || !gap.contains("u_from_mm") || !gap.contains("u_to_mm")) continue;
+      text += (text.empty() ? ": " : "; ") + html::escape(text_at(gap, "leaflet")) + " leaflet, u " + html::value(gap["u_from_mm"]) + " to " + html::value(gap["u_to_mm"]) + " mm";
+    }
+  return text;
+}
+
+std::string last_passage(const Json& summary) {
+  const std::string name = text_at(json_at(summary, "seal"), "last_passage");
+  return name.empty() || name == "unnamed" ? "" : " (the last passage is at: " + html::escape(name) + ")";
 }
 
 }  // namespace
@@ -55,11 +70,12 @@ Verdict make_verdict(const Json& summary) {
   verdict.gates = trust_gates(summary);
   const auto has = [&](const char* key) { return json_at(summary, key).is_number(); };
   const auto value = [&](const char* key) { return html::value(json_at(summary, key)); };
-  const std::string status = text_at(json_at(summary, "run"), "status");
-  const bool is_complete = status.empty() || status == "complete";
-  bool is_passed = is_complete;
-  for (const TrustGate& gate : verdict.gates) is_passed = is_passed && gate.is_passed;
-  verdict.is_trustworthy = is_passed;
+  const std::string end = text_at(json_at(summary, "run"), "end");
+  const bool is_complete = end.empty() || end == "finished";
+  int failed = 0;
+  for (const TrustGate& gate : verdict.gates) failed += gate.is_passed ? 0 : 1;
+  const Json& passed = json_at(summary, "trust.passed");
+  verdict.is_trustworthy = is_complete && (passed.is_boolean() ? passed.get<bool>() : failed == 0);
 
   const Json& sealed = json_at(summary, "seal.sealed");
   const Json& holes = json_at(summary, "seal.holes");
@@ -72,7 +88,7 @@ Verdict make_verdict(const Json& summary) {
     verdict.word = "Sealed";
     verdict.sentences.push_back("With the leaflets grown by half the contact threshold" + threshold + ", no path of blood joins ventricle to atrium.");
     if (has("seal.smallest_sealing_threshold_mm"))
-      verdict.sentences.push_back("The valve seals at every threshold above " + value("seal.smallest_sealing_threshold_mm") + " mm.");
+      verdict.sentences.push_back("The valve seals at every threshold above " + value("seal.smallest_sealing_threshold_mm") + " mm" + last_passage(summary) + ".");
   } else {
     verdict.finding = Finding::leaks;
     const std::size_t count = holes.is_array() ? holes.size() : 0;
@@ -85,24 +101,23 @@ Verdict make_verdict(const Json& summary) {
     }
     verdict.sentences.push_back(where + ".");
     if (has("seal.smallest_sealing_threshold_mm"))
-      verdict.sentences.push_back("It would seal only at a threshold above " + value("seal.smallest_sealing_threshold_mm") + " mm.");
+      verdict.sentences.push_back("It would seal only at a threshold above " + value("seal.smallest_sealing_threshold_mm") + " mm" + last_passage(summary) + ".");
   }
   if (const Json& belt = json_at(summary, "contact.belt_continuous"); belt.is_boolean() && sealed.is_boolean())
-    verdict.sentences.push_back(belt.get<bool>() ? "The contact belt joins commissure to commissure on each leaflet without a gap."
-                                                 : "The contact belt is interrupted.");
+    verdict.sentences.push_back(belt.get<bool>() ? std::string("The contact belt joins commissure to commissure on each leaflet without a gap.")
+                                                 : "The contact belt is interrupted" + describe_interruptions(json_at(summary, "contact.belt_interruptions")) + ".");
   if (has("flow.leak_rate_ml_s")) verdict.sentences.push_back("Mean net leak at the end: " + value("flow.leak_rate_ml_s") + " ml/s.");
 
-  if (!is_complete) {
-    const std::string reason = text_at(json_at(summary, "run"), "stop_reason");
-    verdict.sentences.insert(verdict.sentences.begin(), "The run ended early (" + status + ")" + (reason.empty() ? "." : ": " + reason + "."));
-  }
-  if (verdict.finding != Finding::none && !verdict.is_trustworthy) {
-    verdict.word += ", but not trustworthy";
-    int failed = 0;
-    for (const TrustGate& gate : verdict.gates) failed += gate.is_passed ? 0 : 1;
-    if (failed > 0)
-      verdict.sentences.push_back(std::to_string(failed) + " of " + std::to_string(verdict.gates.size()) + " trust gates failed: do not rely on the numbers below before the cause is known.");
-  }
+  if (const Json& certain = json_at(summary, "seal.certain"); certain.is_boolean() && !certain.get<bool>())
+    verdict.sentences.push_back("The verdict is close: the threshold lies within the numerical margin of the smallest sealing one.");
+  if (!is_complete) verdict.sentences.insert(verdict.sentences.begin(), "The run ended early: " + html::escape(end) + ".");
+  if (verdict.finding != Finding::none && !verdict.is_trustworthy) verdict.word += ", but not trustworthy";
+  if (const Json& reasons = json_at(summary, "trust.failed"); reasons.is_array())
+    for (const Json& reason : reasons)
+      if (reason.is_string() && reason != end) verdict.sentences.push_back("Not trustworthy: " + html::value(reason) + ".");
+  if (failed > 0)
+    verdict.sentences.push_back(std::to_string(failed) + (failed == 1 ? " check is" : " checks are") + " outside the limit" +
+                                (verdict.is_trustworthy ? "." : ": do not rely on the numbers below before the cause is known."));
   return verdict;
 }
 

@@ -19,9 +19,9 @@ enum class Finding { sealed, leaks, none };
 
 struct Verdict {
   Finding finding = Finding::none;
-  bool is_trustworthy = false;           // the run is complete and every gate passed
+  bool is_trustworthy = false;           // the run came to its end, and trust.passed of the summary holds (without it: every gate here passed)
   std::string word;                      // "Sealed", "Leaks through 2 holes", "No verdict", with a reservation when not trustworthy
-  std::vector<std::string> sentences;
+  std::vector<std::string> sentences;    // HTML
   std::vector<TrustGate> gates;
 };
 

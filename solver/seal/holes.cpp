@@ -303,7 +303,7 @@ class LocalCut {
         e[d] += 1;
         if (!box_.holds(e[0], e[1], e[2])) continue;
         const std::size_t t = box_.at(e[0], e[1], e[2]);
-        if (problem.state[t] != cut_empty && may_cross(s, t)) problem.weight[d][s] = std::min(share[s], share[t]);
+        if (problem.state[t] != cut_empty && may_cross(s, t)) problem.weight[d][s] = share[s] >= 1 && share[t] >= 1 ? 1.0f : static_cast<float>(field_.open_face(grid_.at(i, j, k), static_cast<int>(d)));
       }
     });
     return problem;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/seal/voxel_field.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -341,6 +342,24 @@ double VoxelField::open_fraction(Voxel v) const {
     return true;
   });
   return sum / 27;
+}
+
+double VoxelField::open_face(Voxel v, int axis) const {
+  const double h = grid_.h;
+  Vec3 e = Vec3::Zero();
+  e[axis] = 1;
+  const Vec3 s = e.cross(axis == 0 ? Vec3::UnitY() : Vec3::UnitX()).cwiseAbs(), t = e.cross(s).cwiseAbs();
+  const Vec3 middle = grid_.centre(v) + 0.5 * h * e;
+  if (distance(v) > (0.5 + std::sqrt(0.5)) * h) return 1;
+  leaflets_.within(middle, 2 * h, scratch_);
+  double sum = 0;
+  for (int a = -1; a <= 1; ++a)
+    for (int b = -1; b <= 1; ++b) {
+      const Vec3 p = middle + h / 3 * (a * s + b * t);
+      const double value = leaflets_.distance_to(scratch_, p, h);
+      sum += std::clamp(0.5 + (leaflets_.is_inside(p) ? -value : value) / (h / 3), 0.0, 1.0);
+    }
+  return sum / 9;
 }
 
 double VoxelField::clearance(const Vec3& p, double cap) const {

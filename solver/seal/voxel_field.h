@@ -83,6 +83,8 @@ class VoxelField {
 
   /// Share of the voxel outside the solid.
   double open_fraction(Voxel v) const;
+  /// Share of the face towards the next voxel along `axis` that lies outside the solid.
+  double open_face(Voxel v, int axis) const;
 
   /// Signed clearance at any point, exact up to `cap`.
   double clearance(const Vec3& p, double cap) const;

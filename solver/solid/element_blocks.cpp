@@ -144,8 +144,8 @@ ElementBlocks build(const SolidMesh& mesh) {
   return blocks;
 }
 
-}  // namespace
+}   // namespace
 
 ElementBlocks build_element_blocks(const SolidMesh& mesh) { return mesh.nodes_per_tet == 10 ? build<10>(mesh) : build<4>(mesh); }
 
-}  // namespace mv::solid_kernel
+}   // namespace mv::solid_kernel

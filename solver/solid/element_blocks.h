@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Elements laid out for the kernels: blocks of eight of one material (structure of arrays), blocks gathered into tiles of neighbouring
-// elements. A tile works on its own copies of its nodes, then every node sums the tiles it belongs to in fixed order: no atomics, and
-// the same sum whatever the number of threads.
+// Elements laid out for the kernels: blocks of eight of one material (structure of arrays), blocks gathered into tiles of
+// neighbouring elements. A tile works on its own copies of its nodes, then every node sums the tiles it belongs to in fixed
+// order: no atomics, and the same sum whatever the number of threads.
 
 #include <Eigen/Core>
 #include <array>
@@ -84,9 +84,9 @@ struct ElementBlocks {
   // per block: points x (9 components of dxi/dX, row k, then the weight in m3), then 3 components of the fibre; 8 lanes each.
   // Lanes that pad the last block of a material repeat its last element with weight 0.
   Aligned<double> data;
-  Aligned<std::int32_t> local_node;       // per block: nodes x 8 lanes, index within the tile
+  Aligned<std::int32_t> local_node;   // per block: nodes x 8 lanes, index within the tile
   std::vector<int> block_material;
-  std::vector<std::int32_t> element;      // per block 8 lanes: index in the mesh, -1 for padding
+  std::vector<std::int32_t> element;   // per block 8 lanes: index in the mesh, -1 for padding
   std::vector<Tile> tiles;
   std::vector<std::int32_t> tile_nodes;   // mesh node of each tile node
   // node n sums the partial forces node_slot[node_begin[n]] ... node_slot[node_begin[n + 1] - 1]
@@ -99,4 +99,4 @@ struct ElementBlocks {
 /// Throws InputError for a non-positive Jacobian, naming the element.
 ElementBlocks build_element_blocks(const SolidMesh& mesh);
 
-}  // namespace mv::solid_kernel
+}   // namespace mv::solid_kernel

@@ -40,10 +40,11 @@ MV_INLINE void add_corner(double* records, const std::int32_t* index, const Pack
   const Pack xy_odd = __builtin_shufflevector(v[0], v[1], 1, 9, 3, 11, 5, 13, 7, 15);
   const Pack z_even = __builtin_shufflevector(v[2], zero, 0, 8, 2, 10, 4, 12, 6, 14);
   const Pack z_odd = __builtin_shufflevector(v[2], zero, 1, 9, 3, 11, 5, 13, 7, 15);
-  const Quad q[lanes] = {__builtin_shufflevector(xy_even, z_even, 0, 1, 8, 9),   __builtin_shufflevector(xy_odd, z_odd, 0, 1, 8, 9),
-                         __builtin_shufflevector(xy_even, z_even, 2, 3, 10, 11), __builtin_shufflevector(xy_odd, z_odd, 2, 3, 10, 11),
-                         __builtin_shufflevector(xy_even, z_even, 4, 5, 12, 13), __builtin_shufflevector(xy_odd, z_odd, 4, 5, 12, 13),
-                         __builtin_shufflevector(xy_even, z_even, 6, 7, 14, 15), __builtin_shufflevector(xy_odd, z_odd, 6, 7, 14, 15)};
+  const Quad q[lanes] = {
+      __builtin_shufflevector(xy_even, z_even, 0, 1, 8, 9),   __builtin_shufflevector(xy_odd, z_odd, 0, 1, 8, 9),
+      __builtin_shufflevector(xy_even, z_even, 2, 3, 10, 11), __builtin_shufflevector(xy_odd, z_odd, 2, 3, 10, 11),
+      __builtin_shufflevector(xy_even, z_even, 4, 5, 12, 13), __builtin_shufflevector(xy_odd, z_odd, 4, 5, 12, 13),
+      __builtin_shufflevector(xy_even, z_even, 6, 7, 14, 15), __builtin_shufflevector(xy_odd, z_odd, 6, 7, 14, 15)};
   for (int l = 0; l < lanes; ++l) {
     double* record = records + 4 * static_cast<std::ptrdiff_t>(index[l]);
     Quad sum;
@@ -73,7 +74,8 @@ MV_INLINE Tensor<Pack> parametric_gradient(const ElementVectors<N>& x, int q) {
       if constexpr (N == 4) {
         A(i, k) = x.a[k + 1][i] - x.a[0][i];
       } else {
-        // relative to node 0, whose derivative is minus the sum of the others: rigid motions then cancel to round-off of the element
+        // relative to node 0, whose derivative is minus the sum of the others: rigid motions then cancel to round-off of the
+        // element
         Pack sum = shape_derivative<N>(q, 1, k) * (x.a[1][i] - x.a[0][i]);
         for (int a = 2; a < N; ++a) sum += shape_derivative<N>(q, a, k) * (x.a[a][i] - x.a[0][i]);
         A(i, k) = sum;
@@ -97,10 +99,11 @@ Pack distortion_control(const LawConstants& k, const Deformation<Pack>& d, Tenso
 
 /// Forces -dW/dx of one block into `f` (overwritten). `data` as in ElementBlocks.
 template <int N>
-MV_INLINE void block_forces(const LawConstants& k, const double* data, const ElementVectors<N>& x, ElementVectors<N>& f, BlockSums& sums,
-                            BlockFlags& flags, std::int64_t block_index) {
+MV_INLINE void block_forces(const LawConstants& k, const double* data, const ElementVectors<N>& x, ElementVectors<N>& f,
+                            BlockSums& sums, BlockFlags& flags, std::int64_t block_index) {
   constexpr int points = Shape<N>::points;
-  const Pack fibre[3] = {load(data + points * 10 * lanes), load(data + (points * 10 + 1) * lanes), load(data + (points * 10 + 2) * lanes)};
+  const Pack fibre[3] = {load(data + points * 10 * lanes), load(data + (points * 10 + 1) * lanes),
+                         load(data + (points * 10 + 2) * lanes)};
   if constexpr (points > 1)
     for (int a = 0; a < N; ++a)
       for (int i = 0; i < 3; ++i) f.a[a][i] = Pack{};
@@ -126,7 +129,8 @@ MV_INLINE void block_forces(const LawConstants& k, const double* data, const Ele
     }
 
     for (int k2 = 0; k2 < 3; ++k2) {
-      const Pack d0 = load(point + (3 * k2) * lanes), d1 = load(point + (3 * k2 + 1) * lanes), d2 = load(point + (3 * k2 + 2) * lanes);
+      const Pack d0 = load(point + (3 * k2) * lanes), d1 = load(point + (3 * k2 + 1) * lanes),
+                 d2 = load(point + (3 * k2 + 2) * lanes);
       for (int i = 0; i < 3; ++i) {
         const Pack t = weight * (r.P(i, 0) * d0 + r.P(i, 1) * d1 + r.P(i, 2) * d2);
         if constexpr (N == 4)
@@ -140,4 +144,4 @@ MV_INLINE void block_forces(const LawConstants& k, const double* data, const Ele
     for (int i = 0; i < 3; ++i) f.a[0][i] = -(f.a[1][i] + f.a[2][i] + f.a[3][i]);
 }
 
-}  // namespace mv::solid_kernel
+}   // namespace mv::solid_kernel

@@ -21,7 +21,7 @@ Pack distortion_control(const LawConstants& k, const Deformation<Pack>& d, Tenso
   return add_distortion_control<Pack>(k, d, P, is_active);
 }
 
-}  // namespace solid_kernel
+}   // namespace solid_kernel
 
 struct LeafletSolid::Data {
   SolidMesh mesh;
@@ -32,7 +32,7 @@ struct LeafletSolid::Data {
   double shortest_edge = 0;
   SolidStatistics statistics;
 
-  Aligned<double> partial;              // 4 per tile node
+  Aligned<double> partial;   // 4 per tile node
   std::vector<BlockSums> tile_sums;
   std::vector<double> tile_steps;
   std::vector<double> work_x, work_f;   // forces_directional
@@ -75,7 +75,7 @@ double sum(Pack v) {
   return s;
 }
 
-}  // namespace
+}   // namespace
 
 SolidMesh to_solid_mesh(const LeafletMesh& leaflets) {
   constexpr double metre_per_mm = 1e-3;
@@ -246,7 +246,8 @@ double LeafletSolid::forces(std::span<const double> x, std::span<double> f) {
 }
 
 void LeafletSolid::forces_directional(std::span<const double> x, std::span<const double> v, std::span<double> out) {
-  constexpr double relative_displacement = 3e-6;   // balances the h^2 error of the stiff exponential against round-off of positions
+  constexpr double relative_displacement =
+      3e-6;   // balances the h^2 error of the stiff exponential against round-off of positions
   Data& d = *data_;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(x.size());
   assert(v.size() == x.size() && out.size() == x.size());
@@ -282,7 +283,8 @@ double LeafletSolid::Data::tile_step(const Tile& tile, const double* x, std::spa
   for (std::int32_t b = tile.block_begin; b < tile.block_end; ++b) {
     const LawConstants& law = laws[blocks.block_material[b]];
     const double* data = blocks.block(b);
-    const ElementVectors<N> xe = load_elements<N>(position, blocks.local_node.data() + static_cast<std::ptrdiff_t>(b) * N * lanes);
+    const ElementVectors<N> xe =
+        load_elements<N>(position, blocks.local_node.data() + static_cast<std::ptrdiff_t>(b) * N * lanes);
     Pack volume{};
     for (int q = 0; q < Shape<N>::points; ++q) volume += load(data + (q * 10 + 9) * lanes);
     const auto is_real = volume > Pack{};
@@ -355,4 +357,4 @@ const std::vector<double>& LeafletSolid::element_volumes() const { return data_-
 const SolidMesh& LeafletSolid::mesh() const { return data_->mesh; }
 const std::vector<Material>& LeafletSolid::materials() const { return data_->materials; }
 
-}  // namespace mv
+}   // namespace mv

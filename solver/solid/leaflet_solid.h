@@ -18,32 +18,32 @@
 namespace mv {
 
 struct SolidMesh {
-  int nodes_per_tet = 4;              // 4, or 10 (VTK ordering: corners, then midpoints of edges 01 12 02 03 13 23)
-  std::vector<double> points;         // 3 n, m
-  std::vector<int> tets;              // nodes_per_tet an element
-  std::vector<double> fibres;         // 3 an element, unit
-  std::vector<int> material;          // index into the materials, one an element
+  int nodes_per_tet = 4;        // 4, or 10 (VTK ordering: corners, then midpoints of edges 01 12 02 03 13 23)
+  std::vector<double> points;   // 3 n, m
+  std::vector<int> tets;        // nodes_per_tet an element
+  std::vector<double> fibres;   // 3 an element, unit
+  std::vector<int> material;    // index into the materials, one an element
 };
 
 /// mm to m; material 0 for the anterior leaflet, 1 for the posterior.
 SolidMesh to_solid_mesh(const LeafletMesh& mesh);
 
 struct SolidStatistics {
-  double energy = 0;                  // J, distortion control included
-  double control_energy = 0;          // J, of distortion control alone
-  double volume = 0;                  // m3, current
-  double J_min = 1;                   // over all quadrature points
+  double energy = 0;           // J, distortion control included
+  double control_energy = 0;   // J, of distortion control alone
+  double volume = 0;           // m3, current
+  double J_min = 1;            // over all quadrature points
   double J_max = 1;
-  long J_min_element = -1;            // element that holds J_min
-  double controlled_fraction = 0;     // elements with distortion control active / elements
-  long inverted = 0;                  // elements with J <= 0 at a quadrature point
-  bool is_finite = true;              // false: energy is NaN or infinite, positions were not finite or absurd
+  long J_min_element = -1;          // element that holds J_min
+  double controlled_fraction = 0;   // elements with distortion control active / elements
+  long inverted = 0;                // elements with J <= 0 at a quadrature point
+  bool is_finite = true;            // false: energy is NaN or infinite, positions were not finite or absurd
 };
 
 class LeafletSolid {
  public:
-  /// Throws InputError: sizes that do not match, indices out of range, non-positive reference volume (element named), fibre not unit,
-  /// unusable material.
+  /// Throws InputError: sizes that do not match, indices out of range, non-positive reference volume (element named), fibre not
+  /// unit, unusable material.
   LeafletSolid(const SolidMesh& mesh, std::vector<Material> materials);
   ~LeafletSolid();
   LeafletSolid(LeafletSolid&&) noexcept;
@@ -57,18 +57,19 @@ class LeafletSolid {
   /// Of the last forces() call.
   const SolidStatistics& statistics() const;
 
-  /// out = K v = -(df/dx) v by central differences of the force, the largest node displacement being 3e-6 of the shortest edge. Error
-  /// about 1e-7 of |K v| where the law is smooth. Two force evaluations; statistics() is not touched. v, out: 3 n; out is overwritten.
+  /// out = K v = -(df/dx) v by central differences of the force, the largest node displacement being 3e-6 of the shortest edge.
+  /// Error about 1e-7 of |K v| where the law is smooth. Two force evaluations; statistics() is not touched. v, out: 3 n; out is
+  /// overwritten.
   void forces_directional(std::span<const double> x, std::span<const double> v, std::span<double> out);
 
   /// Largest stable step (s) of explicit central differences with the element's own lumped mass: min over elements of
-  /// 2 / sqrt(lambda_max(M_e^-1 K_e)) with the current tangent, distortion control included; a lower bound of the assembled step but
-  /// for the power iteration (16 rounds; a few per cent). Costs about 30 force evaluations: call it every 50 or 100 steps.
+  /// 2 / sqrt(lambda_max(M_e^-1 K_e)) with the current tangent, distortion control included; a lower bound of the assembled step
+  /// but for the power iteration (16 rounds; a few per cent). Costs about 30 force evaluations: call it every 50 or 100 steps.
   /// `element_steps`, when not empty, receives the value of each element.
   double critical_step(std::span<const double> x, std::span<double> element_steps = {});
 
-  /// Reference volume (m3) and mass (kg) per node: V/4 to each node of a linear tetrahedron; V/36 to each corner and 4V/27 to each
-  /// midpoint of a quadratic one (HRZ: diagonal of the consistent mass, scaled). All positive; their sum is the total.
+  /// Reference volume (m3) and mass (kg) per node: V/4 to each node of a linear tetrahedron; V/36 to each corner and 4V/27 to
+  /// each midpoint of a quadratic one (HRZ: diagonal of the consistent mass, scaled). All positive; their sum is the total.
   const std::vector<double>& node_volumes() const;
   const std::vector<double>& node_masses() const;
   /// Reference volume of each element, m3.
@@ -82,4 +83,4 @@ class LeafletSolid {
   std::unique_ptr<Data> data_;
 };
 
-}  // namespace mv
+}   // namespace mv

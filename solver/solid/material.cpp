@@ -31,11 +31,12 @@ Tensor<double> tensor(const Mat3& F) {
 double ogden_tension(const Material& m, double l, double share) {
   double stress = 0;
   for (int i = 0; i < 3; ++i)
-    stress += 2 * m.ogden_mu[i] / m.ogden_alpha[i] * (std::pow(l, m.ogden_alpha[i] - 1) - std::pow(l, -share * m.ogden_alpha[i] - 1));
+    stress +=
+        2 * m.ogden_mu[i] / m.ogden_alpha[i] * (std::pow(l, m.ogden_alpha[i] - 1) - std::pow(l, -share * m.ogden_alpha[i] - 1));
   return stress;
 }
 
-}  // namespace
+}   // namespace
 
 namespace solid_kernel {
 
@@ -47,21 +48,11 @@ LawConstants law_constants(const Material& m) {
   k.control_stiffness = m.distortion_factor * m.bulk;
   k.exponent_limit = m.exponent_limit;
   switch (m.law) {
-    case Law::m1:
-      k.c = m.m1_c, k.a = m.m1_a, k.b = m.m1_b, k.k1 = 0, k.k4 = 1;
-      break;
-    case Law::hgo:
-      k.c = m.hgo_c10, k.a = m.hgo_k1, k.b = m.hgo_k2, k.k1 = m.hgo_kappa, k.k4 = 1 - 3 * m.hgo_kappa;
-      break;
-    case Law::neo_hookean:
-      k.c = m.neo_mu / 2;
-      break;
-    case Law::m2:
-      k.form = Form::m2, k.c0 = m.m2_c0, k.c1 = m.m2_c1, k.c2 = m.m2_c2;
-      break;
-    case Law::m3:
-      k.form = Form::m3, k.c0 = m.m3_c0, k.c1 = m.m3_c1, k.c2 = m.m3_c2;
-      break;
+    case Law::m1: k.c = m.m1_c, k.a = m.m1_a, k.b = m.m1_b, k.k1 = 0, k.k4 = 1; break;
+    case Law::hgo: k.c = m.hgo_c10, k.a = m.hgo_k1, k.b = m.hgo_k2, k.k1 = m.hgo_kappa, k.k4 = 1 - 3 * m.hgo_kappa; break;
+    case Law::neo_hookean: k.c = m.neo_mu / 2; break;
+    case Law::m2: k.form = Form::m2, k.c0 = m.m2_c0, k.c1 = m.m2_c1, k.c2 = m.m2_c2; break;
+    case Law::m3: k.form = Form::m3, k.c0 = m.m3_c0, k.c1 = m.m3_c1, k.c2 = m.m3_c2; break;
     case Law::ogden:
       k.form = Form::ogden;
       for (int i = 0; i < 3; ++i) {
@@ -76,7 +67,7 @@ LawConstants law_constants(const Material& m) {
   return k;
 }
 
-}  // namespace solid_kernel
+}   // namespace solid_kernel
 
 StressPoint evaluate(const Material& material, const Mat3& F, const Vec3& fibre) {
   const LawConstants k = law_constants(material);
@@ -135,9 +126,7 @@ std::vector<std::string> defects(const Material& m) {
       require(m.hgo_k2 > 0, "hgo_k2 must be positive");
       require(m.hgo_kappa >= 0 && m.hgo_kappa <= 1.0 / 3 + 1e-12, "hgo_kappa must be in [0, 1/3]");
       break;
-    case Law::neo_hookean:
-      require(m.neo_mu > 0, "neo_mu must be positive");
-      break;
+    case Law::neo_hookean: require(m.neo_mu > 0, "neo_mu must be positive"); break;
     case Law::m2:
       require(m.m2_c0 > 0 && m.m2_c1 >= 0 && m.m2_c2 >= 0, "m2_c0 must be positive, m2_c1 and m2_c2 not negative");
       break;
@@ -181,4 +170,4 @@ std::string name_of(Law law) {
   return "?";
 }
 
-}  // namespace mv
+}   // namespace mv

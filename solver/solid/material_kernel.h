@@ -3,7 +3,8 @@
 
 // Material response at a point, written once for one point (T = double) and for eight (T = Pack). Pure functions.
 //
-// Isochoric laws are functions of I1b = m I1 and I4b = m4 I4 with m = J^(-2/3) (m4 = m, or 1 without the modified fibre invariant), so
+// Isochoric laws are functions of I1b = m I1 and I4b = m4 I4 with m = J^(-2/3) (m4 = m, or 1 without the modified fibre
+// invariant), so
 //   P = 2 m W1 F + 2 m4 W4 (F f) (x) f + (W1 I1 m' + W4 I4 m4' + U') cof F,       W1 = dW/dI1b, W4 = dW/dI4b, cof F = dJ/dF.
 // Nothing is divided by J, which keeps every term finite for flat and inverted elements.
 
@@ -21,8 +22,8 @@ struct LawConstants {
   Form form = Form::fibre_exponential;
   bool has_modified_fibre_invariant = true;
   double bulk = 0;
-  double c = 0, a = 0, b = 1, k1 = 0, k4 = 1, e_limit = 0;     // fibre_exponential
-  double c0 = 0, c1 = 0, c2 = 0, exponent_limit = 0;           // m2, m3
+  double c = 0, a = 0, b = 1, k1 = 0, k4 = 1, e_limit = 0;                                             // fibre_exponential
+  double c0 = 0, c1 = 0, c2 = 0, exponent_limit = 0;                                                   // m2, m3
   double twice_mu_over_alpha[3] = {0, 0, 0}, alpha[3] = {1, 1, 1}, stretch_min = 0, stretch_max = 0;   // ogden
   double control_strain = 0, control_stiffness = 0;
 };
@@ -122,8 +123,8 @@ MV_INLINE Isochoric<T> m3_law(const LawConstants& k, T I1b, T I4b) {
   return exponential_of<T>(k, k.c1 * i1 * i1 + k.c2 * e * e, 2.0 * k.c1 * i1, 2.0 * k.c2 * e);
 }
 
-/// psi(l) = sum_i 2 mu_i/alpha_i^2 (l^alpha_i - 1) of a modified stretch l, and psi'. Outside [stretch_min, stretch_max] a parabola in l,
-/// which goes on through l = 0: as a function of the signed stretch the law has no trap on the inverted side.
+/// psi(l) = sum_i 2 mu_i/alpha_i^2 (l^alpha_i - 1) of a modified stretch l, and psi'. Outside [stretch_min, stretch_max] a
+/// parabola in l, which goes on through l = 0: as a function of the signed stretch the law has no trap on the inverted side.
 template <class T>
 struct OgdenTerm {
   T psi, dpsi;
@@ -280,4 +281,4 @@ MV_INLINE Response<T> law_response(const LawConstants& k, const Deformation<T>& 
   return k.form == Form::ogden ? ogden_response<T>(k, d) : invariant_response<T>(k, d, fibre);
 }
 
-}  // namespace mv::solid_kernel
+}   // namespace mv::solid_kernel

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Principal values of symmetric 3x3 tensors for T = double or Pack: cyclic Jacobi rotations. Unlike the closed form with the arccosine it
-// keeps full accuracy, and orthonormal vectors, for repeated and nearly repeated values.
+// Principal values of symmetric 3x3 tensors for T = double or Pack: cyclic Jacobi rotations. Unlike the closed form with the
+// arccosine it keeps full accuracy, and orthonormal vectors, for repeated and nearly repeated values.
 
 #include "solver/solid/pack.h"
 
@@ -71,7 +71,8 @@ MV_INLINE void rotate(Tensor<T>& C, Spectrum<T>& s, int p, int q) {
   }
 }
 
-/// At most `sweeps_max` sweeps of three rotations; convergence is quadratic at least; four usually reach round-off, six leave a margin.
+/// At most `sweeps_max` sweeps of three rotations; convergence is quadratic at least; four usually reach round-off, six leave a
+/// margin.
 template <class T>
 MV_INLINE Spectrum<T> principal_values(Tensor<T> C) {
   constexpr int sweeps_max = 6;
@@ -91,8 +92,8 @@ MV_INLINE Spectrum<T> principal_values(Tensor<T> C) {
   return s;
 }
 
-/// F = sum_a stretch_a current_a (x) reference_a with the last stretch the smallest and carrying the sign of J = det F, so that it passes
-/// smoothly through zero when the element inverts. `cof` is the cofactor tensor of F, `s` the spectrum of F^T F.
+/// F = sum_a stretch_a current_a (x) reference_a with the last stretch the smallest and carrying the sign of J = det F, so that
+/// it passes smoothly through zero when the element inverts. `cof` is the cofactor tensor of F, `s` the spectrum of F^T F.
 template <class T>
 struct SignedStretches {
   T stretch[3];
@@ -119,8 +120,7 @@ MV_INLINE SignedStretches<T> signed_stretches(const Tensor<T>& F, const Tensor<T
     r.stretch[a] = maximum(square_root(maximum(s.value[a], T{})), floor);
     for (int i = 0; i < 3; ++i) {
       r.reference[a][i] = s.vector[a][i];
-      r.current[a][i] =
-          (F(i, 0) * s.vector[a][0] + F(i, 1) * s.vector[a][1] + F(i, 2) * s.vector[a][2]) / r.stretch[a];
+      r.current[a][i] = (F(i, 0) * s.vector[a][0] + F(i, 1) * s.vector[a][1] + F(i, 2) * s.vector[a][2]) / r.stretch[a];
     }
   }
   // cof F N = stretch_0 stretch_1 n for the remaining pair: accurate where its own stretch vanishes
@@ -133,4 +133,4 @@ MV_INLINE SignedStretches<T> signed_stretches(const Tensor<T>& F, const Tensor<T
   return r;
 }
 
-}  // namespace mv::solid_kernel
+}   // namespace mv::solid_kernel

@@ -63,7 +63,7 @@ void fill(const LeafletSolid& solid, std::span<const double> x, ElementStress& o
   });
 }
 
-}  // namespace
+}   // namespace
 
 ElementStress element_stress(const LeafletSolid& solid, std::span<const double> x) {
   assert(static_cast<long>(x.size()) == 3 * solid.node_count());
@@ -91,4 +91,4 @@ std::vector<double> average_to_nodes(const LeafletSolid& solid, std::span<const 
   return sum;
 }
 
-}  // namespace mv
+}   // namespace mv

@@ -24,4 +24,4 @@ ElementStress element_stress(const LeafletSolid& solid, std::span<const double> 
 /// Mean of an element quantity over the elements around each node, weighted with reference volume. Nodes without element get 0.
 std::vector<double> average_to_nodes(const LeafletSolid& solid, std::span<const double> element_values);
 
-}  // namespace mv
+}   // namespace mv

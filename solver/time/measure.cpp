@@ -14,28 +14,6 @@ constexpr double search_spacings = 4.0;
 
 }  // namespace
 
-double pressure_at(const FluidGrid& grid, const std::vector<double>& pressure, const Vec3& x) {
-  int base[3];
-  double weight[3];
-  for (int a = 0; a < 3; ++a) {
-    const double s = std::clamp((x[a] - grid.lower[a]) / grid.h - 0.5, 0.0, grid.n[static_cast<std::size_t>(a)] - 1.0 - 1e-9);
-    base[a] = static_cast<int>(s);
-    weight[a] = s - base[a];
-  }
-  double sum = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    double w = 1;
-    int at[3];
-    for (int a = 0; a < 3; ++a) {
-      const int up = (corner >> a) & 1;
-      at[a] = base[a] + up;
-      w *= up ? weight[a] : 1 - weight[a];
-    }
-    if (w > 0) sum += w * pressure[static_cast<std::size_t>(grid.index(at[0], at[1], at[2]))];
-  }
-  return sum;
-}
-
 ContactMeasure measure_contact(const Simulation& simulation, const State& state) {
   const Structure& structure = simulation.structure();
   const std::size_t points = static_cast<std::size_t>(structure.leaflet_nodes());

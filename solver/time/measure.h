@@ -25,9 +25,6 @@ struct ContactMeasure {
 /// Needs forces evaluated at the state (Simulation::refresh or the end of a step is near enough for the series).
 ContactMeasure measure_contact(const Simulation& simulation, const State& state);
 
-/// Pressure (Pa) of the blood at a point (m, tube frame), trilinear; the atrial pressure is zero.
-double pressure_at(const FluidGrid& grid, const std::vector<double>& pressure, const Vec3& x);
-
 /// Row of series.csv except for limiter and net leak.
 SeriesRow measure_series(Simulation& simulation, const State& state, const ContactMeasure& contact);
 

@@ -19,6 +19,7 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 constexpr double metres_per_mm = 1e-3;
 constexpr int estimate_every = 50;        // steps between two estimates of the stiffest mode
 constexpr int estimate_products = 3;
+constexpr int gaps_every = 20;             // steps between two searches for facing leaflets
 constexpr int snapshot_every = 200;       // steps between two states to fall back to
 constexpr int rollbacks_allowed = 8;      // in a row
 constexpr int cap_steps = 2000;           // how long the smaller step lasts after a rollback
@@ -45,6 +46,7 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)), waveform_(Wavefo
   const std::size_t unknowns = structure_->rest_positions().size();
   forces_.assign(unknowns, 0.0);
   x_before_.assign(unknowns, 0.0);
+  released_.assign(structure_->is_fixed().size(), 0);
   if (scene_.has_fluid()) {
     FluidGrid grid;
     grid.n = scene_.tube.grid_cells;
@@ -56,6 +58,12 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)), waveform_(Wavefo
     coupling_.emplace(Transfer(grid, fluid_->wall(), kernel_from_name(config.text("fluid.kernel"))), config.number("fluid.density"), structure_->masses());
     force_density_ = FaceField(grid);
     held_count_ = coupling_->set_held(structure_->rest_positions(), structure_->is_fixed());
+    if (scene_.has_contact() && config.text("coupling.scheme") == "drained") {
+      FilmDrainageOptions options;
+      options.drainage_time = config.number("coupling.drainage_time");
+      options.pressure_scale = std::max(waveform_.largest(), 1.0);
+      drainage_.emplace(*structure_, grid, options);
+    }
     stable_step_.emplace(unknowns, &fluid_->grid());
   } else {
     stable_step_.emplace(unknowns, nullptr);
@@ -66,7 +74,7 @@ State Simulation::initial_state() {
   State state;
   state.x = structure_->rest_positions();
   state.v.assign(state.x.size(), 0.0);
-  state.is_released.assign(structure_->is_fixed().size(), 0);
+  state.is_released = released_;
   if (fluid_) {
     state.holding.assign(3 * static_cast<std::size_t>(held_count_), 0.0);
     state.flow = fluid_->make_state();
@@ -148,6 +156,11 @@ void Simulation::advance(State& state, double dt) {
     times_.fluid += seconds_since(start);
     start = Clock::now();
     coupling_->move(nodes, state.flow.velocity, forces_, dt);
+    if (drainage_) {
+      const std::span<double> x(state.x.data(), 3 * static_cast<std::size_t>(structure_->leaflet_nodes()));
+      if (state.step % gaps_every == 0 || state.film_gaps.empty()) drainage_->find_gaps(x, state.film_gaps);
+      state.ledger.coupling_loss += drainage_->slip(x, state.v, state.film_gaps, state.flow.pressure, pressure, forces_, dt);
+    }
     times_.coupling += seconds_since(start);
     state.ledger.work_pressure += report.pressure_work;
     state.ledger.boundary_kinetic += report.boundary_kinetic;
@@ -257,7 +270,7 @@ double Simulation::flow_backward(const State& state) const {
 double Simulation::kinetic_energy(const State& state) const {
   double energy = fluid_ ? fluid_->kinetic_energy(state.flow) : 0.0;
   for (std::size_t i = 0; i < state.is_released.size(); ++i)
-    if (!fluid_ || state.is_released[i]) energy += 0.5 * structure_->masses()[i] * Vec3::Map(state.v.data() + 3 * i).squaredNorm();
+    if (!fluid_ || state.is_released[i]) energy += 0.5 * (fluid_ ? coupling_->masses()[i] : structure_->masses()[i]) * Vec3::Map(state.v.data() + 3 * i).squaredNorm();
   return energy;
 }
 

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "solver/coupling/coupling.h"
+#include "solver/coupling/film_drainage.h"
 #include "solver/time/scene.h"
 #include "solver/time/stable_step.h"
 #include "solver/time/structure.h"
@@ -65,8 +66,10 @@ class Simulation {
   std::optional<Structure> structure_;
   std::optional<NavierStokes> fluid_;
   std::optional<Coupling> coupling_;
+  std::optional<FilmDrainage> drainage_;
   std::optional<StableStep> stable_step_;
   FaceField force_density_;
+  std::vector<char> released_;
   std::vector<double> forces_;
   std::vector<double> x_before_;
   State snapshot_;

@@ -27,6 +27,7 @@ struct State {
   std::vector<char> is_released;      // per node: moves on its own mass instead of with the blood
   FlowState flow;
   std::vector<double> holding;        // N, what holds the blood at rest around held nodes (Coupling::hold)
+  std::vector<double> film_gaps;      // m, per leaflet node: gap to the facing leaflet at the last search (FilmDrainage)
   std::vector<double> friction_slip;  // contact history
   EnergyLedger ledger;
 

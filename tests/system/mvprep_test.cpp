@@ -77,8 +77,8 @@ std::vector<std::string> hidden_files(const std::filesystem::path& directory) {
   return names;
 }
 
-const std::vector<std::string> case_files = {"case.toml", "leaflets.vtu", "chordae.vtp", "tube.vtu", "annulus.vtp", "papillary.vtp", "quality.json",
-                                             "manifest.json"};
+const std::vector<std::string> case_files = {"case.toml",   "leaflets.vtu",  "chordae.vtp",  "tube.vtu",
+                                             "annulus.vtp", "papillary.vtp", "quality.json", "manifest.json"};
 
 }  // namespace
 
@@ -87,7 +87,8 @@ TEST(Mvprep, run_makes_a_complete_case_and_a_second_run_skips_everything) {
   const auto config = coarse_config(dir);
   const auto first = mvprep({"run", "-c", config, "-o", dir / "case"}, dir);
   ASSERT_EQ(first.code, 0) << first.err;
-  for (const char* stage : {"generic", "annulus", "mesh", "chordae", "fibers", "tube", "gates"}) EXPECT_TRUE(holds(first.out, stage)) << stage;
+  for (const char* stage : {"generic", "annulus", "mesh", "chordae", "fibers", "tube", "gates"})
+    EXPECT_TRUE(holds(first.out, stage)) << stage;
   EXPECT_EQ(count(first.out, " s   "), 7) << first.out;
   std::map<std::string, std::string> hashes;
   for (const auto& file : case_files) {
@@ -116,7 +117,7 @@ TEST(Mvprep, run_makes_a_complete_case_and_a_second_run_skips_everything) {
 
   const auto forced = mvprep({"run", "-c", config, "-o", dir / "case", "--from", "fibers"}, dir);
   ASSERT_EQ(forced.code, 0) << forced.err;
-  EXPECT_EQ(count(forced.out, "skipped"), 3) << forced.out;   // chordae changes back
+  EXPECT_EQ(count(forced.out, "skipped"), 3) << forced.out;  // chordae changes back
 }
 
 TEST(Mvprep, the_same_input_gives_the_same_bytes) {
@@ -157,7 +158,8 @@ TEST(Mvprep, dry_run_prints_numbers_and_writes_nothing) {
   const TemporaryDirectory dir;
   const auto outcome = mvprep({"run", "-c", coarse_config(dir), "-o", dir / "case", "--dry-run"}, dir);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  for (const char* part : {"solid points", "tetrahedra", "fluid cells", "memory", "stable step", "run time"}) EXPECT_TRUE(holds(outcome.out, part)) << part;
+  for (const char* part : {"solid points", "tetrahedra", "fluid cells", "memory", "stable step", "run time"})
+    EXPECT_TRUE(holds(outcome.out, part)) << part;
   EXPECT_FALSE(std::filesystem::exists(dir / "case"));
 }
 
@@ -186,9 +188,15 @@ TEST(Mvprep, exit_0_for_help_and_version) {
 TEST(Mvprep, exit_2_for_a_wrong_command_line) {
   const TemporaryDirectory dir;
   const auto config = coarse_config(dir);
-  for (const auto& arguments : std::vector<std::vector<std::string>>{
-           {}, {"walk"}, {"run"}, {"run", "-c", config}, {"run", "-c", config, "-o", dir / "case", "--no-such-flag"}, {"mesh"}, {"check"},
-           {"run", "-c", config, "-o", dir / "case", "--from", "meshes"}}) {
+  for (const auto& arguments :
+       std::vector<std::vector<std::string>>{{},
+                                             {"walk"},
+                                             {"run"},
+                                             {"run", "-c", config},
+                                             {"run", "-c", config, "-o", dir / "case", "--no-such-flag"},
+                                             {"mesh"},
+                                             {"check"},
+                                             {"run", "-c", config, "-o", dir / "case", "--from", "meshes"}}) {
     const auto outcome = mvprep(arguments, dir);
     EXPECT_EQ(outcome.code, 2) << outcome.err;
     EXPECT_FALSE(outcome.err.empty());
@@ -199,12 +207,14 @@ TEST(Mvprep, exit_2_for_a_wrong_command_line) {
 
 TEST(Mvprep, exit_3_for_a_wrong_configuration) {
   const TemporaryDirectory dir;
-  for (const char* extra : {"[fluid]\nviscosty = \"1 mPa s\"\n", "[fluid]\nviscosity = 1\n", "[fluid]\nviscosity = \"1 mm\"\n", "[fluid\n"}) {
+  for (const char* extra :
+       {"[fluid]\nviscosty = \"1 mPa s\"\n", "[fluid]\nviscosity = 1\n", "[fluid]\nviscosity = \"1 mm\"\n", "[fluid\n"}) {
     const auto outcome = mvprep({"run", "-c", coarse_config(dir, extra), "-o", dir / "case"}, dir);
     EXPECT_EQ(outcome.code, 3) << extra << outcome.err;
     EXPECT_TRUE(holds(outcome.err, "coarse.toml:5") || holds(outcome.err, "coarse.toml:6")) << outcome.err;
   }
-  EXPECT_TRUE(holds(mvprep({"run", "-c", coarse_config(dir, "[fluid]\nviscosty = \"1 mPa s\"\n"), "-o", dir / "case"}, dir).err, "fluid.viscosity"));
+  EXPECT_TRUE(holds(mvprep({"run", "-c", coarse_config(dir, "[fluid]\nviscosty = \"1 mPa s\"\n"), "-o", dir / "case"}, dir).err,
+                    "fluid.viscosity"));
   EXPECT_EQ(mvprep({"run", "-c", coarse_config(dir), "-o", dir / "case", "--set", "mesh.spacing=1"}, dir).code, 3);
   EXPECT_EQ(mvprep({"run", "-c", coarse_config(dir), "-o", dir / "case", "--set", "nonsense"}, dir).code, 3);
   EXPECT_FALSE(std::filesystem::exists(dir / "case"));
@@ -235,7 +245,8 @@ TEST(Mvprep, exit_4_for_damaged_input) {
 
 TEST(Mvprep, exit_5_for_a_failed_gate_that_names_element_and_reason) {
   const TemporaryDirectory dir;
-  const std::vector<std::string> strict = {"run", "-c", coarse_config(dir), "-o", dir / "case", "--set", "gates.min_dihedral=59 deg"};
+  const std::vector<std::string> strict = {"run",        "-c",    coarse_config(dir),         "-o",
+                                           dir / "case", "--set", "gates.min_dihedral=59 deg"};
   const auto outcome = mvprep(strict, dir);
   ASSERT_EQ(outcome.code, 5) << outcome.err;
   EXPECT_TRUE(holds(outcome.err, "dihedral")) << outcome.err;
@@ -293,13 +304,15 @@ TEST(Mvprep, exit_130_when_interrupted_and_the_next_run_goes_on) {
 TEST(Mvprep, a_measured_annulus_with_measured_papillary_points_becomes_a_case) {
   const TemporaryDirectory dir;
   const std::string config = std::string(MV_SOURCE_DIR) + "/configs/normal_1.toml";
-  const auto outcome = mvprep({"run", "-c", config, "-o", dir / "case", "--set", "mesh.spacing=1.5 mm", "--set", "tube.spacing=4 mm"}, dir);
+  const auto outcome =
+      mvprep({"run", "-c", config, "-o", dir / "case", "--set", "mesh.spacing=1.5 mm", "--set", "tube.spacing=4 mm"}, dir);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto annulus = mv::read_annulus(dir / "case/annulus.vtp");
   const auto papillary = mv::read_papillary(dir / "case/papillary.vtp");
   double perimeter = 0;
-  for (std::size_t i = 0; i < annulus.points.size(); ++i) perimeter += (annulus.points[(i + 1) % annulus.points.size()] - annulus.points[i]).norm();
-  EXPECT_NEAR(perimeter, 120.5, 2.5);   // smoothing takes a little off the measured 120.5 mm
+  for (std::size_t i = 0; i < annulus.points.size(); ++i)
+    perimeter += (annulus.points[(i + 1) % annulus.points.size()] - annulus.points[i]).norm();
+  EXPECT_NEAR(perimeter, 120.5, 2.5);  // smoothing takes a little off the measured 120.5 mm
   ASSERT_EQ(papillary.tips.size(), 2u);
   for (const auto& tip : papillary.tips) EXPECT_GT((tip - annulus.origin).dot(annulus.normal), 5);
   EXPECT_TRUE(std::filesystem::exists(dir / "case/inputs/pressure.csv.csv"));
@@ -308,7 +321,8 @@ TEST(Mvprep, a_measured_annulus_with_measured_papillary_points_becomes_a_case) {
 TEST(Mvprep, a_valve_without_chordae_and_fibres_is_complete) {
   const TemporaryDirectory dir;
   const std::string config = std::string(MV_SOURCE_DIR) + "/configs/no_chordae.toml";
-  const auto outcome = mvprep({"run", "-c", config, "-o", dir / "case", "--set", "mesh.spacing=1.5 mm", "--set", "tube.spacing=4 mm"}, dir);
+  const auto outcome =
+      mvprep({"run", "-c", config, "-o", dir / "case", "--set", "mesh.spacing=1.5 mm", "--set", "tube.spacing=4 mm"}, dir);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_TRUE(mv::read_chordae(dir / "case/chordae.vtp").segments.empty());
 }

@@ -79,11 +79,11 @@
       xanchor: !l.commissure ? "center" : l.u < u[0] + 8 ? "left" : l.u > u[u.length - 1] - 8 ? "right" : "center",
       font: { size: l.commissure ? 11 : 13, color: "#1d2228" } }));
     const shapes = [];
-    (data.holes || []).forEach((h) => {
-      if (h.u === null) return;
-      shapes.push({ type: "line", x0: h.u, x1: h.u, y0: 0, y1: v[v.length - 1], line: { color: colours.vermilion, width: 2, dash: "dash" } });
-      annotations.push({ x: h.u, y: v[v.length - 1], text: "hole, " + h.area + " mm²", showarrow: false, yanchor: "top", font: { size: 12, color: "#b3400b" } });
-    });
+    (data.holes || []).forEach((h) => h.u.forEach((place) => {
+      shapes.push({ type: "line", x0: place, x1: place, y0: 0, y1: v[v.length - 1], line: { color: colours.vermilion, width: 2, dash: "dash" } });
+      annotations.push({ x: place, y: v[v.length - 1], text: "hole, " + h.area + " mm²", showarrow: false, yanchor: "top", font: { size: 12, color: "#b3400b" } });
+    }));
+    (data.interruptions || []).forEach((g) => shapes.push({ type: "rect", x0: g.from, x1: g.to, y0: 0, y1: v[v.length - 1], line: { width: 0 }, fillcolor: "rgba(213,94,0,0.22)" }));
     draw("fig-map", traces, { height: 350, hovermode: "closest", annotations, shapes, margin: { l: 56, r: 8, t: 50, b: 46 },
       xaxis: axis("u, mm along the annulus", { zeroline: false, showgrid: false, constrain: "domain" }),
       yaxis: axis("v, mm towards the free edge", { autorange: "reversed", scaleanchor: "x", zeroline: false, showgrid: false, constrain: "domain" }),

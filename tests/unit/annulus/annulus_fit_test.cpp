@@ -94,12 +94,12 @@ TEST(AnnulusMetrics, ellipse_and_saddle_have_their_known_sizes) {
   EXPECT_NEAR(m.al_pm_diameter, 38, 1e-3);
   EXPECT_NEAR(m.sphericity, 30.0 / 38.0, 1e-4);
   EXPECT_NEAR(m.area_2d, pi * 19 * 15, 0.01);
-  EXPECT_NEAR(m.area_3d, pi * 19 * 15, 1.0);        // 144-point polygon of the rim
+  EXPECT_NEAR(m.area_3d, pi * 19 * 15, 1.0);  // 144-point polygon of the rim
   EXPECT_NEAR(m.height, 0, 1e-9);
   // Ramanujan's second formula
   const double q = std::pow(4.0 / 34.0, 2);
   EXPECT_NEAR(m.perimeter, pi * 34 * (1 + 3 * q / (10 + std::sqrt(4 - 3 * q))), 1e-3);
-  EXPECT_NEAR(m.perimeter_2d, m.perimeter, 1e-6);
+  EXPECT_NEAR(m.perimeter_2d, m.perimeter, 1e-4);  // a 2048-gon is shorter by 107 mm times pi^2 / (6 2048^2)
 
   const mv::Annulus saddle = mv::fit_annulus(ellipse(15, 15, pose, 2000, 4), hints);
   const mv::AnnulusMetrics s = mv::measure_annulus(saddle, pose.rotation() * Vec3::UnitY());
@@ -136,9 +136,10 @@ TEST(Papillary, anterior_direction_is_away_from_the_tips_or_towards_the_higher_h
   EXPECT_EQ(away.rule, "papillary tips lie posterior");
   EXPECT_NEAR(away.confidence, 2, 1e-6);
   std::vector<Vec3> horned = ellipse(19, 15, Eigen::Isometry3d::Identity(), 400);
-  for (Vec3& p : horned) p.z() += 3 * std::pow(std::max(0.0, -p.y() / 15), 3);   // a horn at -y only
+  for (Vec3& p : horned) p.z() += 3 * std::pow(std::max(0.0, -p.y() / 15), 3);  // a horn at -y only
   const mv::Annulus raised = mv::fit_annulus(horned, hints);
-  const mv::AnteriorDirection higher = mv::find_anterior_direction(raised, {raised.origin + Vec3(10, 0, -30), raised.origin + Vec3(-10, 0, -30)});
+  const mv::AnteriorDirection higher = mv::find_anterior_direction(
+      raised, {raised.origin + 30 * raised.normal + Vec3(10, 0, 0), raised.origin + 30 * raised.normal - Vec3(10, 0, 0)});
   EXPECT_EQ(higher.rule, "anterior horn is higher");
   EXPECT_LT(higher.direction.y(), -0.9);
   EXPECT_THROW(mv::find_anterior_direction(annulus, {}, Vec3::UnitZ()), mv::InputError);

@@ -24,7 +24,7 @@ TEST(ClosedCurve, duplicates_repeated_end_and_spikes_are_removed_in_order) {
   std::vector<Vec3> points = circle(40, 20);
   const std::vector<Vec3> clean = points;
   points.insert(points.begin() + 7, points[7]);
-  points.insert(points.begin() + 20, Vec3(points[19] + Vec3(0, 0, 9)));   // out and back
+  points.insert(points.begin() + 20, Vec3(points[19] + Vec3(0, 0, 9)));  // out and back
   points.push_back(points.front());
   mv::CurveReport report;
   const std::vector<Vec3> result = mv::clean_closed_curve(points, &report);
@@ -71,8 +71,9 @@ TEST(ClosedCurve, smoothing_keeps_low_modes_and_removes_a_kink_and_reports_the_c
   std::vector<Vec3> kinked = circle(300, 18);
   kinked[50] *= 1.05;
   const std::vector<Vec3> smooth = mv::smooth_closed_curve(kinked, 8, 360, &report);
-  EXPECT_GT(report.smoothing_max, 0.5);   // the kink itself is reported
-  // The 0.9 mm spike covers about 2 mm of arc; 17 of 300 modes leave 17/113 of its area of 0.9 mm2 as height, plus its share in the length.
+  EXPECT_GT(report.smoothing_max, 0.5);  // the kink itself is reported
+  // The 0.9 mm spike covers about 2 mm of arc; 17 of 300 modes leave 17/113 of its area of 0.9 mm2 as height, plus its share in
+  // the length.
   for (const Vec3& p : smooth) EXPECT_NEAR(p.norm(), 18, 0.2);
 }
 

@@ -74,6 +74,7 @@ TEST(ContactForces, action_equals_reaction_and_moments_balance_to_round_off) {
 }
 
 TEST(ContactForces, are_minus_the_gradient_of_the_energy) {
+  OneThread one_thread;
   WavySheets w(0.17 * mm, 0.08 * mm);  // gentle waves: every facing factor is 1, where the forces are the exact gradient
   const auto s = contact_surface_from_triangles(w.mesh.x, w.mesh.triangles);
   SelfContact contact(s, plain_options());
@@ -84,7 +85,7 @@ TEST(ContactForces, are_minus_the_gradient_of_the_energy) {
   std::mt19937 random(2);
   std::uniform_int_distribution<std::size_t> pick(0, w.x.size() - 1);
   int loaded = 0;
-  for (int trial = 0; trial < 400; ++trial) {
+  for (int trial = 0; trial < 200; ++trial) {
     const std::size_t k = pick(random);
     const double h = 1e-9;
     auto x = w.x;
@@ -95,7 +96,7 @@ TEST(ContactForces, are_minus_the_gradient_of_the_energy) {
     EXPECT_NEAR(forces[k], -(up - down) / (2 * h), 2e-6 * largest);
     loaded += std::abs(forces[k]) > 1e-3 * largest;
   }
-  EXPECT_GT(loaded, 100);
+  EXPECT_GT(loaded, 50);
 }
 
 TEST(ContactForces, gap_is_exact_between_planes_in_any_position) {
@@ -307,9 +308,9 @@ TEST(ContactForces, change_continuously_when_a_node_slides_over_edges) {
         largest = std::max(largest, h.normal[k]);
       }
       ASSERT_GT(largest, 0);
-      if (previous_total > 0) {  // a quarter for a continuous force, one for a jump
-        EXPECT_LT(normal, 0.3 * previous_normal + 1e-12 * largest) << "slope " << slope;
-        EXPECT_LT(total, 0.3 * previous_total + 1e-12 * largest) << "slope " << slope;
+      if (previous_total > 0) {  // in the limit a quarter for a continuous force, one for a jump
+        EXPECT_LT(normal, 0.35 * previous_normal + 1e-12 * largest) << "slope " << slope;
+        EXPECT_LT(total, 0.35 * previous_total + 1e-12 * largest) << "slope " << slope;
       }
       EXPECT_LT(normal, 30.0 / steps * largest + 1e-12 * largest);
       previous_normal = normal;

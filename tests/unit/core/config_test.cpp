@@ -77,7 +77,8 @@ TEST(Config, defaults_are_the_design_values_in_si) {
 TEST(Config, file_values_replace_defaults) {
   const Config c = Config::from_string(
       "[mesh]\nspacing = \"0.25 mm\"\norder = 2\n[leaflet]\nbulk = \"1 MPa\"\n[leaflet.posterior]\nlaw = \"hgo\"\n[chordae]\n"
-      "removed = [1, 3]\nslack = 1\ninfluence_radius = \"2 mm\"\n[generic]\nanterior_direction = [0, 1.0, 0]\n[time]\nstep_fixed = \"\"\n",
+      "removed = [1, 3]\nslack = 1\ninfluence_radius = \"2 mm\"\n[generic]\nanterior_direction = [0, 1.0, 0]\n[time]\nstep_fixed "
+      "= \"\"\n",
       "x");
   EXPECT_DOUBLE_EQ(c.number("mesh.spacing"), 2.5e-4);
   EXPECT_EQ(c.integer("mesh.order"), 2);
@@ -92,7 +93,8 @@ TEST(Config, file_values_replace_defaults) {
 }
 
 TEST(Config, unknown_key_is_refused_with_line_and_nearest_key) {
-  expect_holds(refusal("[mesh]\norder = 1\nspacin = \"1 mm\"\n"), {"demo.toml:3", "'mesh.spacin'", "1 mm", "did you mean 'mesh.spacing'"});
+  expect_holds(refusal("[mesh]\norder = 1\nspacin = \"1 mm\"\n"),
+               {"demo.toml:3", "'mesh.spacin'", "1 mm", "did you mean 'mesh.spacing'"});
   expect_holds(refusal("[fluids]\nviscosity = \"1 mPa s\"\n"), {"demo.toml:2", "did you mean 'fluid.viscosity'"});
   expect_holds(refusal("[mesg]\n"), {"demo.toml:1", "did you mean 'mesh'"});
   expect_holds(refusal("spacing = 3\n"), {"demo.toml:1", "'spacing'", "did you mean"});
@@ -217,7 +219,8 @@ TEST(Config, random_quantities_survive_writing_in_their_unit) {
 }
 
 TEST(Config, case_additions_are_accepted) {
-  const Config c = Config::from_string("format_version = 1\n[provenance]\nanything = [1, {x = 2}]\n[provenance.sha256]\na = \"b\"\n[mesh]\nlayers = 3\n", "x");
+  const Config c = Config::from_string(
+      "format_version = 1\n[provenance]\nanything = [1, {x = 2}]\n[provenance.sha256]\na = \"b\"\n[mesh]\nlayers = 3\n", "x");
   EXPECT_EQ(c.integer("mesh.layers"), 3);
 }
 

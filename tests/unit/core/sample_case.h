@@ -60,7 +60,8 @@ inline mv::Chordae sample_chordae() {
   mv::Chordae chordae;
   chordae.points = {{10, -2, -32}, {5, 1, -20}, {4, 2, -10.1}, {6, 2, -10.2}};
   chordae.muscle_of_point = {0, -1, -1, -1};
-  chordae.segments = {{0, 1, mv::ChordaKind::primary, 0, 1, 13.3, 0.4}, {1, 2, mv::ChordaKind::secondary, 0, 1, 10.0 / 3, 0.8},
+  chordae.segments = {{0, 1, mv::ChordaKind::primary, 0, 1, 13.3, 0.4},
+                      {1, 2, mv::ChordaKind::secondary, 0, 1, 10.0 / 3, 0.8},
                       {1, 3, mv::ChordaKind::strut, 1, 2, 9.5, 1.25}};
   chordae.insertions = {{2, 0, 0.25}, {2, 3, 0.75}, {3, 4, 1.0}};
   return chordae;

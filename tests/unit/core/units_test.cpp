@@ -48,7 +48,8 @@ TEST(Units, spacing_and_exponents_are_free) {
 }
 
 TEST(Units, wrong_quantities_are_refused_with_what_is_expected) {
-  for (const char* text : {"", "mm", "1.0", "1.0 kg", "1.0 Pa", "1.0 mm mm", "nan mm", "inf mm", "1,5 mm", "0x10 mm", "1.0 MM", "+-1 mm"}) {
+  for (const char* text :
+       {"", "mm", "1.0", "1.0 kg", "1.0 Pa", "1.0 mm mm", "nan mm", "inf mm", "1,5 mm", "0x10 mm", "1.0 MM", "+-1 mm"}) {
     try {
       si(text, Dimension::length);
       ADD_FAILURE() << "accepted: " << text;

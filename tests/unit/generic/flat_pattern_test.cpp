@@ -23,7 +23,7 @@ TEST(FlatPattern, heights_at_the_scallop_centres_are_strip_plus_factor_times_rad
   EXPECT_EQ(pattern.region(18), mv::anterior);
   EXPECT_EQ(pattern.region(36.01), mv::posterior);
   EXPECT_EQ(pattern.scallop(36 + 3 * rp), 2);
-  EXPECT_EQ(pattern.scallop(-0.1), 3);   // u is periodic
+  EXPECT_EQ(pattern.scallop(-0.1), 3);  // u is periodic
   EXPECT_NEAR(pattern.height(-5), pattern.height(p.perimeter - 5), 1e-12);
 }
 
@@ -47,7 +47,7 @@ TEST(FlatPattern, fillets_touch_both_neighbours_without_a_kink) {
       const mv::Vec2 a = edge[i] - edge[i - 1], b = edge[i + 1] - edge[i];
       const double turn = std::abs(std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b)));
       EXPECT_LT(turn, 1.5 * 0.01 / r + 0.01) << "kink at u = " << edge[i].x() << ", fillet " << r;
-      EXPECT_GT(a.x(), 0);   // single-valued in u
+      EXPECT_GT(a.x(), 0);  // single-valued in u
       total += a.norm();
     }
     EXPECT_GT(total, p.perimeter);

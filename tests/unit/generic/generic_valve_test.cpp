@@ -47,7 +47,8 @@ TEST(ConeWrap, lengths_along_base_and_height_are_kept) {
         double length = 0;
         constexpr int n = 400;
         const double height = w.pattern.height(u);
-        for (int i = 0; i < n; ++i) length += (w.wrap.position({u, height * (i + 1) / n}) - w.wrap.position({u, height * i / n})).norm();
+        for (int i = 0; i < n; ++i)
+          length += (w.wrap.position({u, height * (i + 1) / n}) - w.wrap.position({u, height * i / n})).norm();
         EXPECT_NEAR(length, height, 1e-4 * height) << "u " << u << " slope " << slope;
         EXPECT_NEAR(w.wrap.along_v({u, 0.7 * height}).norm(), 1, 1e-12);
       }
@@ -76,8 +77,8 @@ TEST(ConeWrap, default_wall_is_a_cone_whose_lines_meet_in_one_apex) {
 TEST(ConeWrap, anterior_leaflet_is_centred_on_its_direction_and_u_runs_counter_clockwise_from_the_atrium) {
   const Wrapped w = wrap_default(0.35);
   EXPECT_LT((w.wrap.position({18, 0}) - Vec3(0, 15, 0)).norm(), 1e-3);
-  EXPECT_GT(w.wrap.along_u({18, 0}).dot(-Vec3::UnitX()), 0.999);   // at +y counter-clockwise from above goes to -x
-  EXPECT_GT(w.wrap.normal({18, 5}).dot(-Vec3::UnitY()), 0.9);      // towards the inside
+  EXPECT_GT(w.wrap.along_u({18, 0}).dot(-Vec3::UnitX()), 0.999);  // at +y counter-clockwise from above goes to -x
+  EXPECT_GT(w.wrap.normal({18, 5}).dot(-Vec3::UnitY()), 0.9);     // towards the inside
 }
 
 TEST(ConeWrap, a_leaflet_longer_than_the_radius_neither_crosses_the_centre_nor_closes_the_orifice) {
@@ -86,7 +87,8 @@ TEST(ConeWrap, a_leaflet_longer_than_the_radius_neither_crosses_the_centre_nor_c
   EXPECT_NEAR(w.wrap.smallest_orifice_radius(), 0.35 * 15, 0.3);
   for (double u = 0; u < w.pattern.perimeter(); u += 1.7)
     for (double share : {0.2, 0.5, 0.8, 1.0}) {
-      const Vec3 start = w.wrap.position({u, 0}) - w.wrap.centre(), x = w.wrap.position({u, share * w.pattern.height(u)}) - w.wrap.centre();
+      const Vec3 start = w.wrap.position({u, 0}) - w.wrap.centre(),
+                 x = w.wrap.position({u, share * w.pattern.height(u)}) - w.wrap.centre();
       EXPECT_GT(start.head<2>().dot(x.head<2>()), 0);
     }
 }

@@ -32,7 +32,8 @@ TEST(CaseDirectory, the_case_is_self_contained_and_reads_back_to_the_same_values
   EXPECT_DOUBLE_EQ(again.number_in("mesh.spacing", "mm"), 0.7);
   EXPECT_EQ(mv::read_file(again.path("generic.annulus")), "x_mm,y_mm,z_mm\n");
   const std::string text = mv::read_file(dir / "moved/case.toml");
-  for (const char* part : {"format_version = 1", "[provenance]", "ring.csv", "config_sha256"}) EXPECT_NE(text.find(part), std::string::npos) << part;
+  for (const char* part : {"format_version = 1", "[provenance]", "ring.csv", "config_sha256"})
+    EXPECT_NE(text.find(part), std::string::npos) << part;
 }
 
 TEST(CaseDirectory, set_up_again_from_its_own_case_toml_changes_no_value) {

@@ -44,7 +44,8 @@ using Names = std::vector<std::string>;
 TEST(StageTable, needs_come_before_and_names_are_unique) {
   Names seen;
   for (const mv::Stage& stage : mv::stage_table()) {
-    for (const std::string& need : stage.needs) EXPECT_NE(std::find(seen.begin(), seen.end(), need), seen.end()) << stage.name << " needs " << need;
+    for (const std::string& need : stage.needs)
+      EXPECT_NE(std::find(seen.begin(), seen.end(), need), seen.end()) << stage.name << " needs " << need;
     EXPECT_EQ(std::find(seen.begin(), seen.end(), stage.name), seen.end());
     seen.push_back(stage.name);
   }
@@ -63,7 +64,9 @@ TEST(StageTable, needs_come_before_and_names_are_unique) {
 TEST(StageTable, every_geometry_key_decides_some_stage) {
   for (const mv::ConfigKey& key : mv::config_schema()) {
     const std::string section = key.name.substr(0, key.name.find('.'));
-    if (section != "generic" && section != "mesh" && section != "chordae" && section != "fibers" && section != "tube" && section != "gates") continue;
+    if (section != "generic" && section != "mesh" && section != "chordae" && section != "fibers" && section != "tube" &&
+        section != "gates")
+      continue;
     bool is_covered = false;
     for (const mv::Stage& stage : mv::stage_table()) {
       const std::string values = "\n" + mv::Config().fingerprint(stage.config_keys);
@@ -94,7 +97,8 @@ TEST(Manifest, comes_back_as_written_and_is_deterministic) {
 TEST(Manifest, a_damaged_one_is_refused_and_a_missing_one_is_empty) {
   const TemporaryDirectory dir;
   EXPECT_TRUE(mv::read_manifest(dir.path()).stages.empty());
-  for (const char* text : {"{", "[]", "{\"manifest_version\": 1}", "{\"manifest_version\": 1, \"inputs\": {}, \"stages\": {\"mesh\": 3}}"}) {
+  for (const char* text :
+       {"{", "[]", "{\"manifest_version\": 1}", "{\"manifest_version\": 1, \"inputs\": {}, \"stages\": {\"mesh\": 3}}"}) {
     mv::write_text_atomically(dir / "manifest.json", text);
     EXPECT_THROW(mv::read_manifest(dir.path()), mv::InputError) << text;
   }

@@ -35,6 +35,14 @@ ColouredMesh triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Rgb& co
 using Pixel = std::array<unsigned char, 3>;
 constexpr Pixel red_pixel{255, 0, 0}, blue_pixel{0, 0, 255}, white_pixel{255, 255, 255};
 
+/// Pixels covered on white by a colour without green, partly covered ones by their share.
+double covered_pixels(const Image& image) {
+  double sum = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) sum += 1 - image.at(x, y)[1] / 255.0;
+  return sum;
+}
+
 int count(const Image& image, const Pixel& colour) {
   int n = 0;
   for (int y = 0; y < image.height; ++y)
@@ -50,10 +58,7 @@ TEST(Raster, a_triangle_lies_where_it_should_and_covers_its_area) {
   EXPECT_EQ(image.at(50, 49), white_pixel);  // just beyond the slanted side
   EXPECT_EQ(image.at(48, 52), red_pixel);
   EXPECT_EQ(image.at(5, 50), white_pixel);
-  double covered = 0;  // red shares of all pixels, half-covered ones included
-  for (int y = 0; y < 100; ++y)
-    for (int x = 0; x < 100; ++x) covered += 1 - image.at(x, y)[1] / 255.0;
-  EXPECT_NEAR(covered, 3200, 32);  // 32 mm2 at 100 pixels a mm2
+  EXPECT_NEAR(covered_pixels(image), 3200, 32);  // 32 mm2 at 100 pixels a mm2
 }
 
 TEST(Raster, the_nearer_surface_wins_whatever_the_order) {
@@ -98,10 +103,10 @@ TEST(Raster, perspective_keeps_the_scale_at_the_centre_and_shrinks_what_is_far) 
     ColouredMesh square = triangle({-2, -2, z}, {2, -2, z}, {2, 2, z}, red);
     append(square, triangle({-2, -2, z}, {2, 2, z}, {-2, 2, z}, red));
     canvas.draw(square);
-    return count(canvas.image(plain), red_pixel);
+    return covered_pixels(canvas.image(plain));
   };
-  EXPECT_NEAR(covered(0), 1600, 90);
-  EXPECT_NEAR(covered(-20), 400, 50);  // twice as far from the eye
+  EXPECT_NEAR(covered(0), 1600, 16);
+  EXPECT_NEAR(covered(-20), 400, 8);  // twice as far from the eye
 }
 
 TEST(Raster, light_falls_on_both_sides_and_edges_beyond_the_crease_stay_sharp) {
@@ -172,7 +177,7 @@ TEST(Raster, valleys_get_less_light_and_steps_a_line) {
   EXPECT_EQ(canvas.image(plain).at(20, 50), canvas.image(plain).at(50, 50));
   Finish lines = plain;
   lines.outline_step = 1;
-  EXPECT_LT(canvas.image(lines).at(44, 50)[0] + canvas.image(lines).at(45, 50)[0], canvas.image(plain).at(44, 50)[0] + canvas.image(plain).at(45, 50)[0] - 40);
+  EXPECT_LT(canvas.image(lines).at(44, 50)[0], canvas.image(plain).at(44, 50)[0] - 15);  // one sample of three is ink
   EXPECT_EQ(canvas.image(lines).at(20, 50), canvas.image(plain).at(20, 50));
 }
 
@@ -184,7 +189,9 @@ TEST(Raster, tubes_and_spheres_are_closed_and_of_their_radius) {
   ColouredMesh tube = make_tube(line, 1, red);
   tube.is_lit = false;
   canvas.draw(tube);
-  EXPECT_NEAR(count(canvas.image(plain), red_pixel), 1200 + 314, 90);
+  // cylinder and its two round ends; the ten-sided prism may be narrower by cos(18 degrees)
+  EXPECT_LT(covered_pixels(canvas.image(plain)), 1200 + 315);
+  EXPECT_GT(covered_pixels(canvas.image(plain)), (1200 + 314) * std::cos(0.32));
   EXPECT_TRUE(make_tube({}, 1, red).triangles.empty());
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +12,7 @@
 #include "geometry/core/errors.h"
 #include "solver/report/figures_data.h"
 #include "solver/report/html.h"
+#include "solver/report/page.h"
 #include "solver/report/verdict.h"
 #include "support/synthetic_results.h"
 
@@ -43,8 +45,8 @@ std::size_t times(const std::string& page, const std::string& text) {
   return n;
 }
 
-TEST_F(Report, page_holds_every_section_and_figure) {
-  const std::string page = make();
+TEST_F(Report, page_holds_every_section_and_figure_and_loads_nothing) {
+  std::string page = make();
   for (const char* part : {"id=\"verdict\"", "id=\"numbers\"", "id=\"map\"", "id=\"views\"", "id=\"flow\"", "id=\"contact\"", "id=\"chordae\"", "id=\"trust\"", "id=\"mesh\"",
                            "id=\"settings\"", "id=\"fig-map\"", "id=\"fig-flow\"", "id=\"fig-contact\"", "id=\"fig-chordae\"", "id=\"fig-chordae-bars\"", "id=\"fig-energy\"", "id=\"fig-step\"",
                            "leaflets.dihedral_min_deg", "21.7 deg", "≥ 10", "gcc 12.2.0", "aaaaaaaaaaaaaaaaaaaa"})
@@ -53,10 +55,9 @@ TEST_F(Report, page_holds_every_section_and_figure) {
   EXPECT_EQ(times(page, "data:image/png;base64,"), 8u);
   for (const char* picture : {"open_atrial", "closed_atrial", "closed_ventricular", "closed_cut", "contact_map", "overview", "stress_atrial"})
     EXPECT_GT(fs::file_size(results_ / "pictures" / (std::string(picture) + ".png")), 5000u) << picture;
-}
+  EXPECT_EQ(read_file(write_report(results_)), page) << "the same results must give the same bytes";
 
-TEST_F(Report, page_loads_nothing_and_escapes_what_it_is_given) {
-  std::string page = make();
+  // what it is given is escaped
   EXPECT_TRUE(has(page, "synthetic &lt;valve&gt; &amp; co"));
   EXPECT_FALSE(has(page, "synthetic <valve>"));
   EXPECT_FALSE(has(page, "# <spacing>"));
@@ -68,17 +69,19 @@ TEST_F(Report, page_loads_nothing_and_escapes_what_it_is_given) {
   EXPECT_EQ(times(page, "</script>"), 3u);
 }
 
-TEST_F(Report, the_same_results_give_the_same_bytes) {
-  const std::string first = make();
-  EXPECT_EQ(read_file(write_report(results_)), first);
-}
-
 TEST_F(Report, holes_are_told_by_place_and_area) {
   const std::string page = make({.is_sealed = false, .columns = 72, .rows = 10});
   EXPECT_TRUE(has(page, "Leaks through 2 holes"));
   EXPECT_TRUE(has(page, "between A2 and P2 (9.1 mm²"));
   EXPECT_TRUE(has(page, "posteromedial commissure (2.5 mm²"));
   EXPECT_TRUE(has(page, "seal only at a threshold above 2.9 mm"));
+  EXPECT_TRUE(has(page, "The contact belt is interrupted: anterior leaflet, u 14.2 to 21.6 mm"));
+  // a hole between two leaflets is drawn on both
+  const Json figures = figure_data(read_results(results_), std::nullopt);
+  ASSERT_EQ(figures["holes"][0]["u"].size(), 2u);
+  EXPECT_NEAR(figures["holes"][0]["u"][0].get<double>(), 36 + 71.2 / 2, 3);
+  EXPECT_NEAR(figures["holes"][0]["u"][1].get<double>(), 18, 3);
+  EXPECT_EQ(figures["interruptions"].size(), 1u);
 }
 
 TEST_F(Report, a_scene_without_fluid_and_chordae_has_its_page_too) {
@@ -90,7 +93,7 @@ TEST_F(Report, a_scene_without_fluid_and_chordae_has_its_page_too) {
 
 TEST_F(Report, a_summary_alone_is_enough_and_missing_parts_are_said) {
   fs::create_directories(results_);
-  write_text_atomically(results_ / "summary.json", R"({"run": {"status": "stopped", "stop_reason": "element 12 inverted"}})");
+  write_text_atomically(results_ / "summary.json", R"({"run": {"end": "element 12 inverted"}})");
   const std::string page = read_file(write_report(results_));
   EXPECT_TRUE(has(page, "No verdict"));
   EXPECT_TRUE(has(page, "element 12 inverted"));
@@ -106,10 +109,10 @@ TEST_F(Report, missing_and_damaged_inputs_are_named) {
   EXPECT_THROW(write_report(results_), IoError);
   fs::create_directories(results_);
   EXPECT_THROW(write_report(results_), IoError);
-  make();
+  test::write_synthetic_results(results_, small);
   std::ofstream(results_ / "summary.json") << "{";
   EXPECT_THROW(write_report(results_), InputError);
-  make();
+  test::write_synthetic_results(results_, small);
   fs::resize_file(results_ / "contact_map.vtp", 700);
   EXPECT_THROW(write_report(results_), InputError);
 }
@@ -122,7 +125,7 @@ TEST_F(Report, names_on_the_map_follow_the_papillary_tips) {
   const auto u_of = [&](const std::string& name) {
     for (const MapLabel& label : view.labels)
       if (label.name == name) return label.u;
-    return NAN;
+    return std::nan("");
   };
   EXPECT_NEAR(u_of("anterolateral commissure"), 0, 1e-6);
   EXPECT_NEAR(u_of("posteromedial commissure"), 36, 1.5);
@@ -169,10 +172,18 @@ TEST(VerdictTest, failed_gates_take_the_trust_away) {
   s.set("energy.residual_relative", -0.2);
   EXPECT_FALSE(make_verdict(s.json()).is_trustworthy);
   EXPECT_EQ(make_verdict(s.json()).word, "Sealed, but not trustworthy");
-  s.set("trust.gates", Json::array({{{"name", "mine"}, {"value", 1}, {"limit", "2"}, {"passed", true}}}));
+  s.set("trust.passed", true);  // the run's own judgement decides; the failed check is still said
   EXPECT_TRUE(make_verdict(s.json()).is_trustworthy);
-  s.set("run.status", "interrupted");
+  EXPECT_EQ(make_verdict(s.json()).sentences.back(), "1 check is outside the limit.");
+  s.set("run.end", "step too small");
   EXPECT_FALSE(make_verdict(s.json()).is_trustworthy);
+  EXPECT_EQ(make_verdict(s.json()).sentences.front(), "The run ended early: step too small.");
+  s.set("run.end", "finished");
+  s.set("trust.passed", false);
+  s.set("trust.failed", Json{"2 pairs cross"});
+  EXPECT_FALSE(make_verdict(s.json()).is_trustworthy);
+  const auto sentences = make_verdict(s.json()).sentences;
+  EXPECT_NE(std::find(sentences.begin(), sentences.end(), "Not trustworthy: 2 pairs cross."), sentences.end());
   EXPECT_EQ(make_verdict(Json::object()).finding, Finding::none);
 }
 

@@ -105,6 +105,32 @@ inline SealInput in_tube(const Solid& solid, const std::vector<Vec2>& section,
   return in;
 }
 
+/// Two leaflets that reach from the walls at x = -10 and x = +10 to the middle and hang down there, `gap` apart; `slope` leans the
+/// coaptation over, which narrows the gap to gap * cos(angle).
+inline SealInput two_leaflets(double gap, double slope = 0, double offset = 0) {
+  const double thickness = 1, depth = 6;
+  Solid s;
+  for (int side : {-1, 1}) {
+    // Profile in (x, z) as two rows of cells: along the roof, then down; extruded along y.
+    const auto xz = [=](int i, int across) {
+      const double inner = 0.5 * gap, outer = inner + thickness;
+      if (i == 0) return Vec2(10.5, across ? 0.0 : -thickness);
+      const double z = across ? (i == 1 ? 0.0 : -depth) : (i == 1 ? -thickness : -depth);
+      return Vec2(across ? inner : outer, z);
+    };
+    const Solid leaf = extrude(2, 44, false, [](int i, int j) { return Vec2(i, 0.5 * (j - 22)); }, [](int, int) { return true; }, 1.0,
+                         [&](const Vec3& p) {
+                           const Vec2 q = xz(static_cast<int>(std::lround(p.x())), p.z() > 0 ? 1 : 0);
+                           return Vec3(side * q.x() + slope * q.y() + offset, p.y(), q.y());
+                         });
+    s.add(leaf);
+  }
+  // The mirrored leaflet is inside out; turn it.
+  const std::size_t half = s.triangles.size() / 2;
+  for (std::size_t t = 0; t < half; ++t) std::swap(s.triangles[t][1], s.triangles[t][2]);
+  return in_tube(s, rectangle(20, 20), [](const Vec2&) { return -0.5; });
+}
+
 /// Moves everything together: the answer must move along and otherwise stay.
 inline SealInput moved(SealInput in, const Mat3& rotation, const Vec3& shift) {
   for (Vec3& p : in.points) p = rotation * p + shift;

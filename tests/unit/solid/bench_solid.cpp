@@ -34,12 +34,13 @@ void bench(const SolidMesh& mesh, Law law) {
   for (int threads : {1, 2}) {
     set_thread_count(threads);
     const double seconds = best_of(200, [&] { solid.forces(x, f); });
-    std::printf("  %d threads %6.2f ms (%5.1f ns/element)", threads, seconds * 1e3, seconds * 1e9 / static_cast<double>(solid.element_count()));
+    std::printf("  %d threads %6.2f ms (%5.1f ns/element)", threads, seconds * 1e3,
+                seconds * 1e9 / static_cast<double>(solid.element_count()));
   }
   std::printf("  critical step %.0f ms\n", best_of(3, [&] { solid.critical_step(x); }) * 1e3);
 }
 
-}  // namespace
+}   // namespace
 
 int main() {
   for (Law law : all_laws) bench(block_mesh(80, 80, 2, 0.5e-3, false), law);

@@ -130,4 +130,4 @@ TEST(distortion_control, fraction_counts_elements_once) {
   }
 }
 
-}  // namespace
+}   // namespace

@@ -25,7 +25,9 @@ LeafletSolid make_solid(Law law, bool is_quadratic, int n = 3) {
 
 Mat3 moderate() { return (Mat3() << 1.06, 0.05, 0.02, -0.03, 0.97, 0.04, 0.01, -0.02, 1.02).finished(); }
 
-double dot(const std::vector<double>& a, const std::vector<double>& b) { return std::inner_product(a.begin(), a.end(), b.begin(), 0.0); }
+double dot(const std::vector<double>& a, const std::vector<double>& b) {
+  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+}
 double norm(const std::vector<double>& a) { return std::sqrt(dot(a, a)); }
 
 /// Shape functions of the tetrahedron and their barycentric derivatives, written independently of the library.
@@ -34,7 +36,8 @@ std::vector<Vec3> shape_gradients(int nodes, const Eigen::Vector4d& L) {
   std::vector<Vec3> d;
   for (int a = 0; a < 4; ++a) d.push_back(nodes == 4 ? dL[a] : Vec3((4 * L[a] - 1) * dL[a]));
   const int edges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
-  for (int e = 0; nodes == 10 && e < 6; ++e) d.push_back(4 * (L[edges[e][0]] * dL[edges[e][1]] + L[edges[e][1]] * dL[edges[e][0]]));
+  for (int e = 0; nodes == 10 && e < 6; ++e)
+    d.push_back(4 * (L[edges[e][0]] * dL[edges[e][1]] + L[edges[e][1]] * dL[edges[e][0]]));
   return d;
 }
 
@@ -118,8 +121,8 @@ TEST(leaflet_solid, patch_test_linear_and_quadratic) {
       for (std::size_t e = 0; is_quadratic && e < mesh.material.size(); ++e)
         for (int s = 0; s < 6; ++s)
           for (int i = 0; i < 3; ++i)
-            mesh.points[3 * mesh.tets[10 * e + 4 + s] + i] =
-                0.5 * (mesh.points[3 * mesh.tets[10 * e + edges[s][0]] + i] + mesh.points[3 * mesh.tets[10 * e + edges[s][1]] + i]);
+            mesh.points[3 * mesh.tets[10 * e + 4 + s] + i] = 0.5 * (mesh.points[3 * mesh.tets[10 * e + edges[s][0]] + i] +
+                                                                    mesh.points[3 * mesh.tets[10 * e + edges[s][1]] + i]);
       LeafletSolid solid(mesh, {material_of(law)});
       const Mat3 F = moderate();
       const std::vector<double> x = deformed(mesh, F, 0, 1);
@@ -140,8 +143,8 @@ TEST(leaflet_solid, patch_test_linear_and_quadratic) {
       // the side x = 3 mm carries P e_x times its area
       Vec3 side = Vec3::Zero();
       for (long n = 0; n < solid.node_count(); ++n)
-        if (regular[3 * n] > 3e-3 - 1e-9 && regular[3 * n + 1] > 1e-9 && regular[3 * n + 1] < 3e-3 - 1e-9 && regular[3 * n + 2] > 1e-9 &&
-            regular[3 * n + 2] < 3e-3 - 1e-9)
+        if (regular[3 * n] > 3e-3 - 1e-9 && regular[3 * n + 1] > 1e-9 && regular[3 * n + 1] < 3e-3 - 1e-9 &&
+            regular[3 * n + 2] > 1e-9 && regular[3 * n + 2] < 3e-3 - 1e-9)
           side += node(f, n);
       const Vec3 traction = first_piola(material_of(law), F, Vec3::UnitY()).col(0);
       EXPECT_LT(side.cross(traction).norm(), 1e-9 * side.norm() * traction.norm());
@@ -330,7 +333,8 @@ TEST(leaflet_solid, critical_step_is_that_of_the_dense_element_matrices) {
           std::vector<double> unit(3 * N, 0.0), column(3 * N);
           unit[i] = 1;
           single.forces_directional(xe, unit, column);
-          for (int j = 0; j < 3 * N; ++j) A(j, i) = column[j] / std::sqrt(single.node_masses()[i / 3] * single.node_masses()[j / 3]);
+          for (int j = 0; j < 3 * N; ++j)
+            A(j, i) = column[j] / std::sqrt(single.node_masses()[i / 3] * single.node_masses()[j / 3]);
         }
         const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (A + A.transpose())).eigenvalues();
         const double dense = 2 / std::sqrt(values.cwiseAbs().maxCoeff());
@@ -342,7 +346,8 @@ TEST(leaflet_solid, critical_step_is_that_of_the_dense_element_matrices) {
     }
 }
 
-/// Explicit central differences about a state of tension: bounded just below the estimate, growing well above the assembled limit.
+/// Explicit central differences about a state of tension: bounded just below the estimate, growing well above the assembled
+/// limit.
 TEST(leaflet_solid, critical_step_keeps_explicit_integration_stable) {
   for (bool is_quadratic : {false, true}) {
     LeafletSolid solid = make_solid(Law::neo_hookean, is_quadratic, 2);
@@ -419,4 +424,4 @@ TEST(leaflet_solid, leaflet_mesh_becomes_metres_with_the_anterior_material_first
   EXPECT_EQ(mesh.fibres[4], 1.0);
 }
 
-}  // namespace
+}   // namespace

@@ -37,7 +37,9 @@ void expect_stress_is_energy_slope(const Material& m, const Mat3& F, const Vec3&
   // where fibres begin to carry the stiffness jumps by 4a or so, and differences that straddle the place err by a share of 4a h
   const double straddling = 4e4 * h;
   EXPECT_LT((exact - difference).norm(), tolerance * exact.norm() + straddling + round_off)
-      << name_of(m.law) << " J = " << F.determinant() << "\nP\n" << exact << "\ndifferences\n" << difference;
+      << name_of(m.law) << " J = " << F.determinant() << "\nP\n"
+      << exact << "\ndifferences\n"
+      << difference;
 }
 
 /// The printed formulas, written once more with principal stretches and the standard library. No limits, no distortion control.
@@ -85,9 +87,9 @@ TEST(material, stress_is_slope_of_energy_for_random_deformations) {
   Samples samples(2);
   for (Law law : all_laws)
     for (int n = 0; n < 200; ++n)
-      expect_stress_is_energy_slope(material_of(law),
-                                    samples.stretches(samples.uniform(0.75, 1.3), samples.uniform(0.75, 1.3), samples.uniform(0.75, 1.3)),
-                                    samples.direction());
+      expect_stress_is_energy_slope(
+          material_of(law), samples.stretches(samples.uniform(0.75, 1.3), samples.uniform(0.75, 1.3), samples.uniform(0.75, 1.3)),
+          samples.direction());
 }
 
 TEST(material, stress_is_slope_of_energy_near_incompressibility) {
@@ -115,7 +117,8 @@ TEST(material, stress_is_slope_of_energy_for_flat_and_inverted_elements) {
   for (Law law : all_laws)
     for (double last : {0.3, 0.15, 0.09, 0.05, 1e-3, 1e-9, -1e-9, -0.05, -0.5, -1.2})
       for (int n = 0; n < 5; ++n)
-        expect_stress_is_energy_slope(material_of(law), samples.stretches(samples.uniform(0.9, 1.3), samples.uniform(0.9, 1.3), last),
+        expect_stress_is_energy_slope(material_of(law),
+                                      samples.stretches(samples.uniform(0.9, 1.3), samples.uniform(0.9, 1.3), last),
                                       samples.direction(), 1e-5, 2e-6);
 }
 
@@ -123,8 +126,9 @@ TEST(material, every_response_is_finite) {
   Samples samples(6);
   for (Law law : all_laws) {
     const Material m = material_of(law);
-    for (const Mat3& F : {Mat3(Mat3::Zero()), Mat3(-Mat3::Identity()), Mat3(20 * Mat3::Identity()), Mat3(Vec3(1, 0, 0).asDiagonal()),
-                          Mat3(Vec3(1, 1, 0).asDiagonal()), Mat3(Vec3(5, 0.01, 0.01).asDiagonal()), Mat3(Vec3(1e-8, 1, 1e-9).asDiagonal())}) {
+    for (const Mat3& F :
+         {Mat3(Mat3::Zero()), Mat3(-Mat3::Identity()), Mat3(20 * Mat3::Identity()), Mat3(Vec3(1, 0, 0).asDiagonal()),
+          Mat3(Vec3(1, 1, 0).asDiagonal()), Mat3(Vec3(5, 0.01, 0.01).asDiagonal()), Mat3(Vec3(1e-8, 1, 1e-9).asDiagonal())}) {
       const StressPoint p = evaluate(m, F, samples.direction());
       EXPECT_TRUE(std::isfinite(p.energy) && p.first_piola.allFinite()) << name_of(law) << "\n" << F;
     }
@@ -141,9 +145,12 @@ TEST(material, stress_is_continuous_across_the_limits_of_the_law) {
   };
   for (Law law : all_laws) {
     const Material m = material_of(law);
-    expect_continuous(m, [](double s) { return Mat3(Vec3(1, 1, s).asDiagonal()); }, volume_floor, Vec3::UnitX());
-    expect_continuous(m, [](double s) { return Mat3(Vec3(1, 1, s).asDiagonal()); }, 1 - m.distortion_strain, Vec3::UnitX());
-    expect_continuous(m, [](double s) { return Mat3(Vec3(s, 1 / s, 1).asDiagonal()); }, 1 + m.distortion_strain, Vec3::UnitZ());
+    expect_continuous(
+        m, [](double s) { return Mat3(Vec3(1, 1, s).asDiagonal()); }, volume_floor, Vec3::UnitX());
+    expect_continuous(
+        m, [](double s) { return Mat3(Vec3(1, 1, s).asDiagonal()); }, 1 - m.distortion_strain, Vec3::UnitX());
+    expect_continuous(
+        m, [](double s) { return Mat3(Vec3(s, 1 / s, 1).asDiagonal()); }, 1 + m.distortion_strain, Vec3::UnitZ());
   }
   auto fibre_stretch = [](double s) { return Mat3(Vec3(s, 1 / std::sqrt(s), 1 / std::sqrt(s)).asDiagonal()); };
   const Material m1 = material_of(Law::m1);
@@ -218,7 +225,8 @@ TEST(material, uniaxial_equibiaxial_and_shear_follow_the_closed_forms) {
 
     m = material_of(Law::m3);
     const double W = m.m3_c0 * std::exp(m.m3_c1 * i1 * i1 + m.m3_c2 * E * E);
-    EXPECT_NEAR(difference(m, uniaxial, Vec3::UnitX()), 4 * W * (m.m3_c1 * i1 * (l * l - 1 / l) + m.m3_c2 * E * l * l), 1e-6);   // s4 eq. 10
+    EXPECT_NEAR(difference(m, uniaxial, Vec3::UnitX()), 4 * W * (m.m3_c1 * i1 * (l * l - 1 / l) + m.m3_c2 * E * l * l),
+                1e-6);   // s4 eq. 10
 
     m = material_of(Law::m2);
     const double W2 = m.m2_c0 * std::exp(m.m2_c1 * i1 * i1 + m.m2_c2 * std::pow(std::max(l - 1, 0.0), 4));
@@ -228,7 +236,8 @@ TEST(material, uniaxial_equibiaxial_and_shear_follow_the_closed_forms) {
   for (double shear : {0.1, 0.4}) {
     Mat3 F = Mat3::Identity();
     F(0, 1) = shear;
-    EXPECT_NEAR(cauchy_stress(material_of(Law::neo_hookean), F, Vec3::UnitX())(0, 1), material_of(Law::neo_hookean).neo_mu * shear, 1e-6);
+    EXPECT_NEAR(cauchy_stress(material_of(Law::neo_hookean), F, Vec3::UnitX())(0, 1),
+                material_of(Law::neo_hookean).neo_mu * shear, 1e-6);
     // fibre along x keeps its length in this shear, so only the matrix answers
     EXPECT_NEAR(cauchy_stress(material_of(Law::m1), F, Vec3::UnitX())(0, 1), 2 * material_of(Law::m1).m1_c * shear, 1e-6);
   }
@@ -260,8 +269,9 @@ TEST(material, unmodified_fibre_invariant_ignores_volume_change) {
   full.has_modified_fibre_invariant = false;
   Samples samples(9);
   for (int n = 0; n < 50; ++n)
-    expect_stress_is_energy_slope(modified, samples.stretches(samples.uniform(0.8, 1.2), samples.uniform(0.8, 1.2), samples.uniform(0.8, 1.2)),
-                                  samples.direction());
+    expect_stress_is_energy_slope(
+        modified, samples.stretches(samples.uniform(0.8, 1.2), samples.uniform(0.8, 1.2), samples.uniform(0.8, 1.2)),
+        samples.direction());
   const Mat3 squeezed = Vec3(1, 0.9, 0.9).asDiagonal();   // fibre keeps its length, volume shrinks
   EXPECT_GT(energy_density(modified, squeezed, Vec3::UnitX()), energy_density(full, squeezed, Vec3::UnitX()) + 100);
 }
@@ -307,4 +317,4 @@ TEST(material, defects_are_named) {
   for (Law law : all_laws) EXPECT_EQ(law_from_name(name_of(law)), law);
 }
 
-}  // namespace
+}   // namespace

@@ -70,7 +70,8 @@ TEST(pack, square_root_maximum_select_and_any) {
 TEST(principal_values, rebuild_the_tensor_also_for_repeated_values) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
-  const double cases[][3] = {{1, 1, 1}, {2, 2, 1}, {1, 3, 3}, {1, 1 + 1e-13, 1 - 1e-13}, {4, 4 + 1e-8, 1}, {1e-12, 1, 1e6}, {0, 0, 5}, {0.2, 1, 7}};
+  const double cases[][3] = {{1, 1, 1},        {2, 2, 1},       {1, 3, 3}, {1, 1 + 1e-13, 1 - 1e-13},
+                             {4, 4 + 1e-8, 1}, {1e-12, 1, 1e6}, {0, 0, 5}, {0.2, 1, 7}};
   for (const auto& values : cases)
     for (int n = 0; n < 200; ++n) {
       double q[4], length = 0;
@@ -106,4 +107,4 @@ TEST(principal_values, rebuild_the_tensor_also_for_repeated_values) {
     }
 }
 
-}  // namespace
+}   // namespace

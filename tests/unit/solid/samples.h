@@ -89,4 +89,4 @@ inline std::vector<double> deformed(const SolidMesh& mesh, const Mat3& F, double
   return x;
 }
 
-}  // namespace mv::solid_test
+}   // namespace mv::solid_test

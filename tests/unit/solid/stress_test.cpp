@@ -29,7 +29,7 @@ TEST(stress, homogeneous_uniaxial_state_is_reported_everywhere) {
     const double matrix = 2 * m.m1_c * (l * l - 1 / l), fibre = 2 * m.m1_a * E * std::exp(m.m1_b * E * E) * l * l;
     const double difference = matrix + fibre;
     for (std::size_t e = 0; e < s.J.size(); ++e) {
-      EXPECT_NEAR(s.von_mises[e], difference, 1e-8 * difference);              // |s11 - s22|
+      EXPECT_NEAR(s.von_mises[e], difference, 1e-8 * difference);                    // |s11 - s22|
       EXPECT_NEAR(s.fibre_stress[e], 2.0 / 3 * matrix + fibre, 1e-8 * difference);   // deviator of the matrix, whole fibre stress
       EXPECT_NEAR(s.fibre_strain[e], l - 1, 1e-12);
       EXPECT_NEAR(s.J[e], 1, 1e-12);
@@ -66,4 +66,4 @@ TEST(stress, nodal_mean_is_weighted_by_volume) {
   for (std::size_t n = 0; n < mean.size(); ++n) EXPECT_DOUBLE_EQ(mean[n], sum[n] / weight[n]);
 }
 
-}  // namespace
+}   // namespace

@@ -23,24 +23,24 @@ TEST(SelfIntersection, crossing_touching_and_separate_triangles) {
     points.insert(points.end(), {a, b, c});
     return self_intersections(points, {{0, 1, 2}, {3, 4, 5}}).size();
   };
-  EXPECT_EQ(with({1, 1, -1}, {1, 1, 1}, {3, 3, 1}), 1u);        // pierced
-  EXPECT_EQ(with({1, 1, 0.1}, {1, 1, 1}, {3, 3, 1}), 0u);       // above
-  EXPECT_EQ(with({1, 1, 0}, {1, 1, 1}, {3, 3, 1}), 1u);         // a corner rests on the face
-  EXPECT_EQ(with({1, 1, 1e-300}, {1, 1, 1}, {3, 3, 1}), 0u);    // exact: the smallest gap counts
-  EXPECT_EQ(with({1, 1, 0}, {2, 1, 0}, {1, 2, 0}), 1u);         // coplanar overlap
+  EXPECT_EQ(with({1, 1, -1}, {1, 1, 1}, {3, 3, 1}), 1u);      // pierced
+  EXPECT_EQ(with({1, 1, 0.1}, {1, 1, 1}, {3, 3, 1}), 0u);     // above
+  EXPECT_EQ(with({1, 1, 0}, {1, 1, 1}, {3, 3, 1}), 1u);       // a corner rests on the face
+  EXPECT_EQ(with({1, 1, 1e-300}, {1, 1, 1}, {3, 3, 1}), 0u);  // exact: the smallest gap counts
+  EXPECT_EQ(with({1, 1, 0}, {2, 1, 0}, {1, 2, 0}), 1u);       // coplanar overlap
 }
 
 TEST(SelfIntersection, neighbours_that_share_a_corner_or_an_edge) {
   const std::vector<Vec3> points{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {4, 4, 0}, {1, 1, 0}, {3, 3, 2}, {2, 1, 3}, {-1, 1, 3}};
-  EXPECT_TRUE(self_intersections(points, Triangles{{0, 1, 2}, {1, 3, 2}}).empty());             // flat neighbours
-  EXPECT_EQ(self_intersections(points, Triangles{{0, 1, 2}, {1, 4, 2}}), (Pairs{{0, 1}}));      // folded onto each other
-  EXPECT_TRUE(self_intersections(points, Triangles{{0, 1, 2}, {1, 6, 2}}).empty());             // folded up
-  EXPECT_TRUE(self_intersections(points, Triangles{{0, 1, 2}, {0, 5, 7}}).empty());             // share a corner only
+  EXPECT_TRUE(self_intersections(points, Triangles{{0, 1, 2}, {1, 3, 2}}).empty());         // flat neighbours
+  EXPECT_EQ(self_intersections(points, Triangles{{0, 1, 2}, {1, 4, 2}}), (Pairs{{0, 1}}));  // folded onto each other
+  EXPECT_TRUE(self_intersections(points, Triangles{{0, 1, 2}, {1, 6, 2}}).empty());         // folded up
+  EXPECT_TRUE(self_intersections(points, Triangles{{0, 1, 2}, {0, 5, 7}}).empty());         // share a corner only
   std::vector<Vec3> pierced = points;
   pierced[5] = {2, 1, 1};
   pierced[7] = {1, 1, -1};
-  EXPECT_EQ(self_intersections(pierced, Triangles{{0, 1, 2}, {0, 5, 7}}), (Pairs{{0, 1}}));     // far edge goes through
-  EXPECT_EQ(self_intersections(points, Triangles{{0, 1, 2}, {2, 1, 0}}), (Pairs{{0, 1}}));      // twice the same
+  EXPECT_EQ(self_intersections(pierced, Triangles{{0, 1, 2}, {0, 5, 7}}), (Pairs{{0, 1}}));  // far edge goes through
+  EXPECT_EQ(self_intersections(points, Triangles{{0, 1, 2}, {2, 1, 0}}), (Pairs{{0, 1}}));   // twice the same
 }
 
 TEST(SelfIntersection, degenerate_triangles_pair_with_themselves_and_bad_input_is_refused) {
@@ -70,7 +70,8 @@ TEST(SelfIntersection, agrees_with_a_count_over_all_pairs_of_shifted_sheets) {
   Pairs brute;
   for (int s = 0; s < static_cast<int>(triangles.size()); ++s)
     for (int t = s + 1; t < static_cast<int>(triangles.size()); ++t) {
-      const auto pair = self_intersections(points, {triangles[static_cast<std::size_t>(s)], triangles[static_cast<std::size_t>(t)]});
+      const auto pair =
+          self_intersections(points, {triangles[static_cast<std::size_t>(s)], triangles[static_cast<std::size_t>(t)]});
       if (!pair.empty()) brute.emplace_back(s, t);
     }
   EXPECT_EQ(self_intersections(points, triangles), brute);
@@ -86,7 +87,7 @@ TEST(SelfIntersection, generic_valve_is_free_and_a_pushed_through_leaflet_is_fou
     EXPECT_TRUE(good.passed) << good.message;
     std::vector<Vec3> moved = m.points;
     for (Vec3& x : moved)
-      if (x.y() > 0 && x.z() < -8) x.y() -= 1.5 * (-8 - x.z());   // anterior leaflet swings through the posterior one
+      if (x.y() > 0 && x.z() < -8) x.y() -= 1.5 * (-8 - x.z());  // anterior leaflet swings through the posterior one
     const mv::Gate bad = mv::gate_self_intersection(m, moved, "test");
     EXPECT_FALSE(bad.passed);
     EXPECT_GT(bad.value, 10);

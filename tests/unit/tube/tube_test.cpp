@@ -29,7 +29,7 @@ TEST(Tube, frame_lengths_and_grid) {
   const mv::Tube tube = mv::build_tube(ellipse_annulus(), {});
   EXPECT_LT((tube.axes * tube.axes.transpose() - mv::Mat3::Identity()).norm(), 1e-12);
   EXPECT_NEAR(tube.axes.determinant(), 1, 1e-12);
-  EXPECT_LT((tube.axes.row(2).transpose() - Vec3::UnitZ()).norm(), 1e-9);   // ventricle to atrium
+  EXPECT_LT((tube.axes.row(2).transpose() - Vec3::UnitZ()).norm(), 1e-9);  // ventricle to atrium
   EXPECT_DOUBLE_EQ(tube.z_ventricle, -40);
   EXPECT_DOUBLE_EQ(tube.z_atrium, 20);
   EXPECT_EQ(tube.grid_cells[2], 60);
@@ -68,7 +68,7 @@ TEST(Tube, cross_section_area_equals_hexahedra_over_length) {
     const Vec2 &a = c[i], &b = c[(i + 1) % c.size()];
     twice += a.x() * b.y() - a.y() * b.x();
   }
-  EXPECT_GT(twice, 0);   // counter-clockwise
+  EXPECT_GT(twice, 0);  // counter-clockwise
   EXPECT_NEAR(mv::hex_volume(tube), 0.5 * twice * 60, 0.01 * 30 * twice);
 }
 
@@ -94,9 +94,11 @@ TEST(Tube, leaflet_at_the_annulus_lies_inside_by_the_clearance_and_not_much_more
   options.contained = mv::thicken(valve.mid_surface, {}).points;
   mv::TubeReport report;
   const mv::Tube tube = mv::build_tube(valve.annulus, options, &report);
-  for (const Vec3& p : options.contained) EXPECT_TRUE(mv::inside_outline(tube.cross_section, (tube.axes * (p - tube.origin)).head<2>()));
+  for (const Vec3& p : options.contained)
+    EXPECT_TRUE(mv::inside_outline(tube.cross_section, (tube.axes * (p - tube.origin)).head<2>()));
   EXPECT_LT(report.gap_max, 0.5 + 0.25 + 0.1);
-  for (const mv::Gate& gate : mv::check_tube(tube, valve.annulus, {{10, -2, -32}, {-10, -2, -32}})) EXPECT_TRUE(gate.passed) << gate.message;
+  for (const mv::Gate& gate : mv::check_tube(tube, valve.annulus, {{10, -2, -32}, {-10, -2, -32}}))
+    EXPECT_TRUE(gate.passed) << gate.message;
 }
 
 TEST(Tube, a_tip_outside_the_wall_is_noted_and_widens_only_on_request) {
@@ -145,13 +147,16 @@ TEST(Tube, real_annulus_is_wrapped_closely) {
   hints.papillary_points = mv::read_points_csv(*folder / "normal_1_papillary_insertions_mm.csv");
   const mv::Annulus annulus = mv::fit_annulus(mv::smooth_closed_curve(curve, 10), hints);
   mv::TubeOptions options;
-  options.tips = mv::group_papillary_points(hints.papillary_points, annulus, mv::find_anterior_direction(annulus, hints.papillary_points).direction).tips;
+  options.tips = mv::group_papillary_points(hints.papillary_points, annulus,
+                                            mv::find_anterior_direction(annulus, hints.papillary_points).direction)
+                     .tips;
   mv::TubeReport report;
   const mv::Tube tube = mv::build_tube(annulus, options, &report);
   EXPECT_GT(report.jacobian_min, 0.3);
   EXPECT_GT(report.gap_min, 0.2);
   EXPECT_LT(report.gap_max, 1.0);
-  for (const mv::Gate& gate : mv::check_tube(tube, annulus, options.tips)) EXPECT_TRUE(gate.passed) << gate.name << ": " << gate.message;
+  for (const mv::Gate& gate : mv::check_tube(tube, annulus, options.tips))
+    EXPECT_TRUE(gate.passed) << gate.name << ": " << gate.message;
 }
 
 }  // namespace

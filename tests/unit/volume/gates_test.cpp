@@ -38,7 +38,8 @@ TEST(Gates, good_mesh_passes_and_json_carries_every_number) {
   EXPECT_TRUE(json["passed"].get<bool>());
   ASSERT_EQ(json["gates"].size(), report.gates.size());
   for (const auto& gate : json["gates"])
-    for (const char* key : {"name", "verdict", "value", "limit", "relation", "unit", "worst_element", "message"}) EXPECT_TRUE(gate.contains(key)) << key;
+    for (const char* key : {"name", "verdict", "value", "limit", "relation", "unit", "worst_element", "message"})
+      EXPECT_TRUE(gate.contains(key)) << key;
 }
 
 TEST(Gates, removed_element_beside_the_border_breaks_the_layer_count_not_the_closure) {
@@ -138,7 +139,7 @@ TEST(Gates, insertions_sum_to_one_over_both_faces) {
   EXPECT_FALSE(verdicts(bad).first);
   bad = c;
   bad.insertions.clear();
-  EXPECT_FALSE(verdicts(bad).first);   // a leaflet end that hangs on nothing
+  EXPECT_FALSE(verdicts(bad).first);  // a leaflet end that hangs on nothing
   bad = c;
   bad.insertions = {{1, upper, 1.4}, {1, lower, -0.4}};
   EXPECT_FALSE(verdicts(bad).first);

@@ -71,7 +71,7 @@ TEST(Thicken, sides_flags_and_directions) {
   }
   for (std::size_t e = 0; e < m.tets.size(); ++e) {
     EXPECT_EQ(m.sheet_normal[e], Vec3::UnitZ());
-    EXPECT_LT((m.fibre[e] - Vec3(-1, 0, 0)).norm(), 1e-12);   // axis x normal
+    EXPECT_LT((m.fibre[e] - Vec3(-1, 0, 0)).norm(), 1e-12);  // axis x normal
     double z = 0;
     for (std::size_t k = 0; k < 4; ++k) z += m.points[at(m.tets[e][k])].z() / 4;
     EXPECT_EQ(m.layer[e], z > 0 ? 0 : 1);
@@ -90,7 +90,7 @@ TEST(Thicken, quadratic_midpoints_lie_halfway_in_vtk_order_and_are_shared) {
       unique.insert({std::min(a, b), std::max(a, b)});
       EXPECT_EQ(m.points[at(c)], 0.5 * (m.points[at(a)] + m.points[at(b)]));
       const double du = std::remainder(m.unfolded[at(a)].x() - m.unfolded[at(c)].x(), perimeter);
-      EXPECT_LT(std::abs(du), 2.0 * 3);   // the midpoint does not jump across the pattern
+      EXPECT_LT(std::abs(du), 2.0 * 3);  // the midpoint does not jump across the pattern
       const bool both_atrial = m.side[at(a)] == mv::atrial && m.side[at(b)] == mv::atrial;
       EXPECT_EQ(m.side[at(c)] == mv::atrial, both_atrial);
     }
@@ -114,7 +114,7 @@ TEST(Thicken, wrong_input_is_refused) {
 void expect_all_gates(const mv::GenericValve& valve, double spacing, double thickness) {
   const mv::LeafletMesh m = mv::thicken(valve.mid_surface, {thickness, 2, 1});
   mv::GateLimits limits;
-  limits.fluid_spacing = 2 * std::max(spacing, 0.5 * thickness);   // two layers set the distance through the thickness
+  limits.fluid_spacing = 2 * std::max(spacing, 0.5 * thickness);  // two layers set the distance through the thickness
   const mv::GateReport report = mv::check_leaflets(m, limits);
   EXPECT_TRUE(report.passed()) << report.failures();
   const mv::BoundarySurface boundary = mv::extract_boundary(m);
@@ -147,12 +147,14 @@ TEST_P(LeafletSweep, passes_every_gate_with_dihedral_angles_above_ten_degrees) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Parameters, LeafletSweep,
-                         ::testing::Values(Case{0.4, 6, 1, 0.9, 0.35, 3}, Case{0.5, 6, 1, 0.9, 0.35, 3}, Case{0.7, 3, 1, 0.9, 0.35, 3},
-                                           Case{0.7, 8, 1, 0.9, 0.35, 3}, Case{1.0, 3, 1, 0.9, 0.35, 3}, Case{1.0, 8, 1, 0.9, 0.35, 3},
-                                           Case{1.0, 6, 0.3, 0.9, 0.35, 3}, Case{1.0, 6, 1, 1.4, 0.35, 3}, Case{1.0, 6, 1, 0.9, 0.0, 3},
-                                           Case{1.0, 6, 1, 0.9, 0.8, 2}, Case{1.0, 6, 1, 0.9, 0.35, 4}, Case{1.5, 3, 1, 0.9, 0.35, 3},
-                                           Case{1.5, 6, 1, 0.9, 0.35, 1}, Case{2.0, 3, 1, 0.9, 0.35, 3}, Case{2.0, 6, 1, 0.9, 0.35, 3},
-                                           Case{2.0, 8, 1, 0.9, 0.35, 3}));
+                         ::testing::Values(Case{0.4, 6, 1, 0.9, 0.35, 3}, Case{0.5, 6, 1, 0.9, 0.35, 3},
+                                           Case{0.7, 3, 1, 0.9, 0.35, 3}, Case{0.7, 8, 1, 0.9, 0.35, 3},
+                                           Case{1.0, 3, 1, 0.9, 0.35, 3}, Case{1.0, 8, 1, 0.9, 0.35, 3},
+                                           Case{1.0, 6, 0.3, 0.9, 0.35, 3}, Case{1.0, 6, 1, 1.4, 0.35, 3},
+                                           Case{1.0, 6, 1, 0.9, 0.0, 3}, Case{1.0, 6, 1, 0.9, 0.8, 2},
+                                           Case{1.0, 6, 1, 0.9, 0.35, 4}, Case{1.5, 3, 1, 0.9, 0.35, 3},
+                                           Case{1.5, 6, 1, 0.9, 0.35, 1}, Case{2.0, 3, 1, 0.9, 0.35, 3},
+                                           Case{2.0, 6, 1, 0.9, 0.35, 3}, Case{2.0, 8, 1, 0.9, 0.35, 3}));
 
 TEST(LeafletMesh, real_annulus_passes_every_gate) {
   const auto folder = mv::test::real_annulus_folder();
@@ -162,7 +164,8 @@ TEST(LeafletMesh, real_annulus_passes_every_gate) {
   hints.papillary_points = mv::read_points_csv(*folder / "normal_1_papillary_insertions_mm.csv");
   const mv::Annulus annulus = mv::fit_annulus(mv::smooth_closed_curve(curve, 10), hints);
   const mv::AnteriorDirection anterior = mv::find_anterior_direction(annulus, hints.papillary_points);
-  for (double spacing : {0.5, 1.0, 2.0}) expect_all_gates(mv::build_generic_valve({}, spacing, annulus, anterior.direction), spacing, 1.0);
+  for (double spacing : {0.5, 1.0, 2.0})
+    expect_all_gates(mv::build_generic_valve({}, spacing, annulus, anterior.direction), spacing, 1.0);
 }
 
 }  // namespace
