@@ -20,41 +20,33 @@ struct alignas(64) FacetHead {
   double area2 = 0;            // twice the area
 };
 
+inline FacetHead make_head(const Vec3& a, const Vec3& b, const Vec3& c) {
+  FacetHead h;
+  const Vec3 m = (b - a).cross(c - a);
+  h.centre = (a + b + c) / 3;
+  h.size = std::sqrt(std::max((a - h.centre).squaredNorm(), std::max((b - h.centre).squaredNorm(), (c - h.centre).squaredNorm())));
+  h.area2 = m.norm();
+  if (h.area2 > 0) h.n = m / h.area2;
+  return h;
+}
+
 /// A triangle (a, a + e1, a + e2) ready for projections, with the metric of its edges.
 struct Facet {
-  Vec3 n = Vec3::Zero();
-  Vec3 a = Vec3::Zero();
-  Vec3 e1 = Vec3::Zero(), e2 = Vec3::Zero();
-  double g11 = 0, g12 = 0, g22 = 0, inverse_det = 0;
-  double radius_squared = 0;  // averaging radius R_f^2
+  Vec3 a, e1, e2;
+  double g11, g12, g22, inverse_det;
 };
 
-inline Facet make_facet(const Vec3& a, const Vec3& b, const Vec3& c, double radius_squared) {
+/// `area2`: twice the area, positive.
+inline Facet make_facet(const Vec3& a, const Vec3& b, const Vec3& c, double area2) {
   Facet f;
   f.a = a;
   f.e1 = b - a;
   f.e2 = c - a;
-  const Vec3 m = f.e1.cross(f.e2);
-  const double det = m.squaredNorm();  // = g11 g22 - g12^2
   f.g11 = f.e1.squaredNorm();
   f.g12 = f.e1.dot(f.e2);
   f.g22 = f.e2.squaredNorm();
-  f.radius_squared = radius_squared;
-  if (det > 0) {
-    f.n = m / std::sqrt(det);
-    f.inverse_det = 1 / det;
-  }
+  f.inverse_det = 1 / (area2 * area2);
   return f;
-}
-
-inline FacetHead make_head(const Facet& f) {
-  FacetHead h;
-  h.n = f.n;
-  const Vec3 offset = (f.e1 + f.e2) / 3;
-  h.centre = f.a + offset;
-  h.size = std::sqrt(std::max({offset.squaredNorm(), (f.e1 - offset).squaredNorm(), (f.e2 - offset).squaredNorm()}));
-  h.area2 = f.inverse_det > 0 ? std::sqrt(1 / f.inverse_det) : 0.0;
-  return h;
 }
 
 /// Foot of the perpendicular (barycentric l1, l2 of corners b, c; may lie outside) and the point of the triangle nearest to it (b1, b2).

@@ -33,16 +33,23 @@ constexpr double depth_fade = 0.2;             // share of the penetration limit
 
 /// Velocities and inertia of a triangle, for the slip seen by an observer who turns with the master.
 struct FacetMotion {
-  Vec3 v = Vec3::Zero(), dv1 = Vec3::Zero(), dv2 = Vec3::Zero();
-  Vec3 spin = Vec3::Zero();  // mean of r x v over the corners, r from the centroid
-  Mat3 inertia = Mat3::Zero();  // mean of |r|^2 I - r r^T
+  Vec3 v, dv1, dv2;
+  Vec3 spin;                          // mean of r x v over the corners, r from the centroid
+  double xx, yy, zz, xy, xz, yz;      // mean of |r|^2 I - r r^T
 };
 
 /// A triangle that a slave sees with positive weight.
 struct Sight {
   int pair, triangle;
+  Vec3 n;
+  Facet facet;
   double p, weight, chi, u, reach_squared;
   double l1, l2, b1, b2;
+};
+
+/// What one slave adds to the totals.
+struct SlaveTotals {
+  double force = 0, friction = 0, area = 0, gap = infinity, energy = 0, slip_energy = 0, dissipation = 0;
 };
 
 /// Forces on the three corners of a triangle.
@@ -80,7 +87,7 @@ struct SelfContact::Impl {
   double p_max;             // m, largest distance along the normal that can matter
   double reach;             // m, largest distance to a triangle that can matter
   std::vector<double> node_stiffness;      // N/m
-  std::vector<double> facet_radius_squared, averaging_radius;  // R_f^2 and R_f
+  std::vector<double> averaging_radius;    // R_f per triangle, m
   std::vector<int> ring_corner;            // which corner of ring[r] the node is
 
   // Candidates: refreshed by a search.
@@ -97,9 +104,9 @@ struct SelfContact::Impl {
   double released_energy = 0;              // J, slip energy of nodes that lost all candidates
 
   // Per step.
-  std::vector<Facet> facets;
   std::vector<contact::FacetHead> heads;
   std::vector<int> record_of_pair;         // -1: no reaction
+  std::vector<SlaveTotals> slave_totals;   // per slave
   std::vector<CornerForces> records;
   std::vector<CornerForces> facet_force;
   std::vector<char> facet_active;
@@ -107,7 +114,7 @@ struct SelfContact::Impl {
   std::vector<char> moved_too_far;         // per thread
 
   // Per surface node.
-  std::vector<double> gap, normal_force, pressure, area, energy, slip_energy, dissipation;
+  std::vector<double> gap, normal_force, pressure;
   std::vector<Vec3> own_force, friction_force, normal, nodal_force, slip;
   std::vector<int> partner;
   std::vector<char> is_active;
@@ -115,19 +122,16 @@ struct SelfContact::Impl {
   Impl(const ContactSurface& s, const ContactOptions& o) : surface(s), options(resolve(s, o)), search(s, options.exclusion_radius) {
     const std::size_t nodes = s.nodes.size(), triangles = s.triangles.size();
     set_node_stiffness({});
-    facet_radius_squared.resize(triangles);
-    double radius_squared_max = 0;
+    averaging_radius.resize(triangles);
     for (std::size_t f = 0; f < triangles; ++f) {
       const auto& t = s.triangles[f];
       const double rest_area = 0.5 * (s.reference[t[1]] - s.reference[t[0]]).cross(s.reference[t[2]] - s.reference[t[0]]).norm();
-      facet_radius_squared[f] = options.averaging_ratio * options.averaging_ratio * rest_area * 4 / std::sqrt(3.0);
-      radius_squared_max = std::max(radius_squared_max, facet_radius_squared[f]);
+      averaging_radius[f] = options.averaging_ratio * std::sqrt(rest_area * 4 / std::sqrt(3.0));
     }
-    averaging_radius.resize(triangles);
-    for (std::size_t f = 0; f < triangles; ++f) averaging_radius[f] = std::sqrt(facet_radius_squared[f]);
+    const double radius_max = *std::max_element(averaging_radius.begin(), averaging_radius.end());
     sheet_separation = 0.5 * s.mean_edge;
     p_max = std::max(options.threshold + sheet_separation, options.penetration_limit);
-    reach = std::sqrt((1 + lateral_growth * lateral_growth) * p_max * p_max + radius_squared_max);
+    reach = std::sqrt((1 + lateral_growth * lateral_growth) * p_max * p_max + radius_max * radius_max);
     ring_corner.resize(s.ring.size());
     for (std::size_t n = 0; n < nodes; ++n) {
       for (int r = s.ring_start[n]; r < s.ring_start[n + 1]; ++r) {
@@ -138,12 +142,11 @@ struct SelfContact::Impl {
     x_search.resize(3 * nodes);
     stamp.assign(triangles, 0);
     node_stamp.assign(nodes, 0);
-    facets.resize(triangles);
     heads.resize(triangles);
     is_active.assign(nodes, 0);
     facet_force.resize(triangles);
     facet_active.assign(triangles, 0);
-    for (auto* array : {&normal_force, &pressure, &area, &energy, &slip_energy, &dissipation}) array->assign(nodes, 0.0);
+    for (auto* array : {&normal_force, &pressure}) array->assign(nodes, 0.0);
     for (auto* array : {&own_force, &friction_force, &normal, &nodal_force, &slip}) array->assign(nodes, Vec3::Zero());
     gap.assign(nodes, infinity);
     partner.assign(nodes, -1);
@@ -157,7 +160,7 @@ struct SelfContact::Impl {
 
   void clear_outputs(int n) {
     gap[n] = infinity;
-    normal_force[n] = pressure[n] = area[n] = energy[n] = slip_energy[n] = dissipation[n] = 0;
+    normal_force[n] = pressure[n] = 0;
     own_force[n] = friction_force[n] = normal[n] = nodal_force[n] = Vec3::Zero();
     partner[n] = -1;
     is_active[n] = 0;
@@ -230,6 +233,7 @@ struct SelfContact::Impl {
       int pair = search.first_pair(n);
       for (int f : search.triangles_of(n)) master_pair[stamp[f]++] = pair++;
     }
+    slave_totals.resize(slaves.size());
     std::fill(stamp.begin(), stamp.end(), 0);
     for (int f : masters) stamp[f] = 1;
     for (int n : slaves) {
@@ -246,8 +250,7 @@ struct SelfContact::Impl {
       const int f = frames_needed[k];
       const auto& t = surface.triangles[f];
       const int i = surface.nodes[t[0]], j = surface.nodes[t[1]], l = surface.nodes[t[2]];
-      facets[f] = contact::make_facet(at(x, i), at(x, j), at(x, l), facet_radius_squared[f]);
-      heads[f] = contact::make_head(facets[f]);
+      heads[f] = contact::make_head(at(x, i), at(x, j), at(x, l));
       facet_active[f] = 0;
     });
   }
@@ -257,16 +260,27 @@ struct SelfContact::Impl {
     m.v = va;
     m.dv1 = vb - va;
     m.dv2 = vc - va;
+    // With r from the centroid the corners' r add up to zero; sum r r^T = 2/3 (e1 e1^T + e2 e2^T) - 1/3 (e1 e2^T + e2 e1^T).
     const Vec3 centre = (f.e1 + f.e2) / 3;
-    const Vec3 ra = -centre, rb = f.e1 - centre, rc = f.e2 - centre;
-    m.spin = (ra.cross(va) + rb.cross(vb) + rc.cross(vc)) / 3;
-    m.inertia.diagonal().setConstant((ra.squaredNorm() + rb.squaredNorm() + rc.squaredNorm()) / 3);
-    m.inertia -= (ra * ra.transpose() + rb * rb.transpose() + rc * rc.transpose()) / 3;
+    m.spin = ((f.e1 - centre).cross(m.dv1) + (f.e2 - centre).cross(m.dv2)) / 3;
+    const Vec3 p = (2 * f.e1 - f.e2) / 9, q = (2 * f.e2 - f.e1) / 9;
+    const double trace = p.dot(f.e1) + q.dot(f.e2);
+    m.xx = trace - p[0] * f.e1[0] - q[0] * f.e2[0];
+    m.yy = trace - p[1] * f.e1[1] - q[1] * f.e2[1];
+    m.zz = trace - p[2] * f.e1[2] - q[2] * f.e2[2];
+    m.xy = -(p[0] * f.e1[1] + q[0] * f.e2[1]);
+    m.xz = -(p[0] * f.e1[2] + q[0] * f.e2[2]);
+    m.yz = -(p[1] * f.e1[2] + q[1] * f.e2[2]);
     return m;
   }
 
+  Facet facet_of(std::span<const double> x, int f, const contact::FacetHead& head) const {
+    const auto& t = surface.triangles[f];
+    return contact::make_facet(at(x, surface.nodes[t[0]]), at(x, surface.nodes[t[1]]), at(x, surface.nodes[t[2]]), head.area2);
+  }
+
   /// Triangles that face the node within reach, with their weights; returns W.
-  double look(const Vec3& x, const Vec3& n, int node, std::vector<Sight>& seen) const {
+  double look(std::span<const double> positions, const Vec3& x, const Vec3& n, int node, std::vector<Sight>& seen) const {
     seen.clear();
     double nearest = options.threshold;
     int pair = search.first_pair(node) - 1;
@@ -281,13 +295,14 @@ struct SelfContact::Impl {
       // Lateral distance is at least that to the centroid less the triangle's size; the averaging radius is at most R_f + gamma |p|.
       const double far = head.size + averaging_radius[f] + lateral_growth * std::abs(height);
       if (from_centre.squaredNorm() - height * height > 1.0001 * far * far) continue;
-      const Facet& facet = facets[f];
-      const Vec3 d = x - facet.a;
-      const double p = facet.n.dot(d);
-      const auto q = contact::project(facet, d);
-      const double reach_squared = facet.radius_squared + lateral_growth * lateral_growth * p * p;
-      if (!(q.lateral_squared < reach_squared)) continue;
       Sight s;
+      s.facet = facet_of(positions, f, head);
+      const Vec3 d = x - s.facet.a;
+      const double p = head.n.dot(d);
+      const auto q = contact::project(s.facet, d);
+      const double reach_squared = averaging_radius[f] * averaging_radius[f] + lateral_growth * lateral_growth * p * p;
+      if (!(q.lateral_squared < reach_squared)) continue;
+      s.n = head.n;
       s.pair = pair;
       s.triangle = f;
       s.p = p;
@@ -339,33 +354,32 @@ struct SelfContact::Impl {
   }
 
   /// All of one slave node: outputs, its own force, records of the reactions.
-  void evaluate_slave(int node, std::span<const double> x, std::span<const double> v, double dt, std::vector<Sight>& seen) {
+  SlaveTotals evaluate_slave(int node, std::span<const double> x, std::span<const double> v, double dt, std::vector<Sight>& seen) {
+    SlaveTotals result;
     const int first = search.first_pair(node);
-    if (is_active[node]) {
-      clear_outputs(node);
-      std::fill_n(record_of_pair.begin() + first, search.triangles_of(node).size(), -1);
-    }
-    gap[node] = infinity;
-    partner[node] = -1;
-    if (dissipation[node] != 0) dissipation[node] = 0;
+    if (is_active[node]) std::fill_n(record_of_pair.begin() + first, search.triangles_of(node).size(), -1);
     const Vec3 position = at(x, surface.nodes[node]);
-    const double total = look(position, node_normal(node), node, seen);
-    double g = 0;
+    const double total = look(x, position, node_normal(node), node, seen);
+    double g = infinity;
+    int nearest = -1;
     if (total > 0) {
+      g = 0;
       double largest = 0;
       for (const Sight& s : seen) {
         g += s.weight * s.p;
         if (s.weight > largest) {
           largest = s.weight;
-          partner[node] = s.triangle;
+          nearest = s.triangle;
         }
       }
       g /= total;
-      gap[node] = g;
     }
-    if (!(total > 0) || g >= options.threshold) {
-      if (options.friction > 0 && !slip[node].isZero(0)) dissipation[node] = release(node);
-      return;
+    if (is_active[node] && !(g < options.threshold)) clear_outputs(node);
+    gap[node] = g;
+    partner[node] = nearest;
+    if (!(g < options.threshold)) {
+      if (options.friction > 0 && !slip[node].isZero(0)) result.dissipation = release(node);
+      return result;
     }
     const double half_stiffness = 0.5 * node_stiffness[node];
     const double overlap = options.threshold - g;
@@ -377,17 +391,17 @@ struct SelfContact::Impl {
     Vec3 own = Vec3::Zero(), mean_normal = Vec3::Zero();
     int record = first;
     for (const Sight& s : seen) {
-      const Facet& f = facets[s.triangle];
+      const Facet& f = s.facet;
       const double share = s.weight / total;
       // Factors on dp and on d(lateral distance squared), from dg and dW.
       const double slope = -2 * s.chi * (1 - s.u) * (force * (s.p - g) / total - force_of_total);
       const double on_p = force * share - slope * 2 * lateral_growth * lateral_growth * s.p * s.u / s.reach_squared;
       const double on_lateral = slope / s.reach_squared;
       const Vec3 lateral = (s.l1 - s.b1) * f.e1 + (s.l2 - s.b2) * f.e2;
-      own += on_p * f.n + (2 * on_lateral) * lateral;
-      mean_normal += share * f.n;
-      const Vec3 along_normal = (2 * on_lateral * s.p - on_p) * f.n;
-      const Vec3 towards_closest = (-2 * on_lateral) * (lateral + s.p * f.n);
+      own += on_p * s.n + (2 * on_lateral) * lateral;
+      mean_normal += share * s.n;
+      const Vec3 along_normal = (2 * on_lateral * s.p - on_p) * s.n;
+      const Vec3 towards_closest = (-2 * on_lateral) * (lateral + s.p * s.n);
       CornerForces& corners = records[record];
       corners.fill(0.0);
       add_corner(corners, 0, (1 - s.l1 - s.l2) * along_normal + (1 - s.b1 - s.b2) * towards_closest);
@@ -400,27 +414,38 @@ struct SelfContact::Impl {
     own_force[node] = own;
     normal[node] = mean_normal.normalized();
     normal_force[node] = 2 * force;
-    area[node] = current_area(node);
-    pressure[node] = 2 * force / area[node];
-    energy[node] = 0.5 * force * overlap;
-    if (options.friction > 0) add_friction(node, position, v, dt, force, total, seen);
+    result.force = 2 * force;
+    result.gap = g;
+    result.area = current_area(node);
+    pressure[node] = 2 * force / result.area;
+    result.energy = 0.5 * force * overlap;
+    if (options.friction > 0) add_friction(node, position, v, dt, force, total, seen, result);
+    return result;
   }
 
   /// Coulomb friction of one slave pass; see README for the return mapping and the turning observer.
-  void add_friction(int node, const Vec3& x, std::span<const double> velocities, double dt, double force, double total, const std::vector<Sight>& seen) {
+  void add_friction(int node, const Vec3& x, std::span<const double> velocities, double dt, double force, double total, const std::vector<Sight>& seen,
+                    SlaveTotals& result) {
     const Vec3 n = normal[node];
     Vec3 point = Vec3::Zero(), velocity = Vec3::Zero(), spin = Vec3::Zero();
-    Mat3 inertia = Mat3::Zero();
+    double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
     for (const Sight& s : seen) {
-      const Facet& f = facets[s.triangle];
+      const Facet& f = s.facet;
       const auto& t = surface.triangles[s.triangle];
       const FacetMotion m = motion_of(f, at(velocities, surface.nodes[t[0]]), at(velocities, surface.nodes[t[1]]), at(velocities, surface.nodes[t[2]]));
       const double share = s.weight / total;
       point += share * (f.a + s.b1 * f.e1 + s.b2 * f.e2);
       velocity += share * (m.v + s.b1 * m.dv1 + s.b2 * m.dv2);
       spin += share * m.spin;
-      inertia += share * m.inertia;
+      xx += share * m.xx;
+      yy += share * m.yy;
+      zz += share * m.zz;
+      xy += share * m.xy;
+      xz += share * m.xz;
+      yz += share * m.yz;
     }
+    Mat3 inertia;
+    inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
     const Mat3 inverse = inertia.inverse();
     const Vec3 omega = inverse * spin;
     const Vec3 arm = x - point;
@@ -442,15 +467,16 @@ struct SelfContact::Impl {
     const double trial_length = trial.norm();
     const Vec3 held = trial_length > cap ? Vec3(trial * (cap / trial_length)) : trial;
     slip[node] = held;
-    dissipation[node] = stiffness * (held.dot(trial - held) + 0.5 * (held - old).squaredNorm());
-    slip_energy[node] = 0.5 * stiffness * held.squaredNorm();
+    result.dissipation = stiffness * (held.dot(trial - held) + 0.5 * (held - old).squaredNorm());
+    result.slip_energy = 0.5 * stiffness * held.squaredNorm();
 
     const Vec3 friction = -stiffness * held;
     friction_force[node] = 2 * friction;
+    result.friction = 2 * friction.norm();
     own_force[node] += friction;
     const Vec3 turn = inverse * arm.cross(friction);
     for (const Sight& s : seen) {
-      const Facet& f = facets[s.triangle];
+      const Facet& f = s.facet;
       const double share = s.weight / total;
       const Vec3 centre = (f.e1 + f.e2) / 3;
       const Vec3 twist = (share / 3) * turn;
@@ -487,16 +513,16 @@ struct SelfContact::Impl {
 
   ContactResult totals() {
     ContactResult result;
-    for (int n : slaves) {
-      result.friction_dissipation += dissipation[n];
-      if (!is_active[n]) continue;
+    for (const SlaveTotals& t : slave_totals) {
+      result.friction_dissipation += t.dissipation;
+      if (!(t.force > 0)) continue;
       ++result.active_nodes;
-      result.normal_force += 0.5 * normal_force[n];
-      result.friction_force += 0.5 * friction_force[n].norm();
-      result.contact_area += 0.5 * area[n];
-      result.min_gap = std::min(result.min_gap, gap[n]);
-      result.potential_energy += energy[n];
-      result.friction_energy += slip_energy[n];
+      result.normal_force += 0.5 * t.force;
+      result.friction_force += 0.5 * t.friction;
+      result.contact_area += 0.5 * t.area;
+      result.min_gap = std::min(result.min_gap, t.gap);
+      result.potential_energy += t.energy;
+      result.friction_energy += t.slip_energy;
     }
     result.friction_dissipation += released_energy;
     released_energy = 0;
@@ -528,7 +554,7 @@ ContactResult SelfContact::evaluate(std::span<const double> x, std::span<const d
   c.compute_frames(x);
   c.sights.resize(std::max(c.sights.size(), static_cast<std::size_t>(thread_count())));
   parallel_ranges(static_cast<std::ptrdiff_t>(c.slaves.size()), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
-    for (std::ptrdiff_t k = begin; k < end; ++k) c.evaluate_slave(c.slaves[k], x, v, dt, c.sights[thread]);
+    for (std::ptrdiff_t k = begin; k < end; ++k) c.slave_totals[k] = c.evaluate_slave(c.slaves[k], x, v, dt, c.sights[thread]);
   });
   c.gather(forces);
   ContactResult result = c.totals();
@@ -543,9 +569,9 @@ void SelfContact::closest_gaps(std::span<const double> x, double max_distance, b
   out.gap.assign(s.nodes.size(), infinity);
   out.point.assign(s.nodes.size(), Vec3::Zero());
   out.triangle.assign(s.nodes.size(), -1);
-  const auto facet_of = [&](int f) {
+  const auto head_of = [&](int f) {
     const auto& t = s.triangles[f];
-    return contact::make_facet(at(x, s.nodes[t[0]]), at(x, s.nodes[t[1]]), at(x, s.nodes[t[2]]), 0.0);
+    return contact::make_head(at(x, s.nodes[t[0]]), at(x, s.nodes[t[1]]), at(x, s.nodes[t[2]]));
   };
   std::vector<int> masters;
   for (int f = 0; f < triangles; ++f) {
@@ -554,7 +580,7 @@ void SelfContact::closest_gaps(std::span<const double> x, double max_distance, b
   if (masters.empty()) return;
   const int count = static_cast<int>(masters.size());
   std::vector<contact::FacetHead> unsorted(masters.size()), heads(masters.size());
-  parallel_for(count, [&](std::ptrdiff_t m) { unsorted[m] = contact::make_head(facet_of(masters[m])); });
+  parallel_for(count, [&](std::ptrdiff_t m) { unsorted[m] = head_of(masters[m]); });
   std::vector<Vec3> normals(s.nodes.size());
   current_node_normals(s, x, normals);
   Vec3 lower = unsorted[0].centre, upper = lower;
@@ -576,12 +602,14 @@ void SelfContact::closest_gaps(std::span<const double> x, double max_distance, b
     const Vec3 node_normal = normals[n];
     double best = max_distance * max_distance, best_distance = max_distance;
     int best_triangle = -1;
-    contact::Projection best_projection{};
-    const auto measure = [&](int f) {
-      const Facet facet = facet_of(f);
+    Vec3 best_point = Vec3::Zero();
+    double best_height = 0;
+    const auto measure = [&](int f, const contact::FacetHead& head) {
+      if (!(head.n.dot(node_normal) < facing_cosine)) return;
+      const Facet facet = c.facet_of(x, f, head);
       const Vec3 d = p - facet.a;
-      const double height = facet.n.dot(d);
-      if (!(facet.n.dot(node_normal) < facing_cosine) || !(height > -c.options.penetration_limit)) return;
+      const double height = head.n.dot(d);
+      if (!(height > -c.options.penetration_limit)) return;
       const auto q = contact::project(facet, d);
       const double squared = q.lateral_squared + height * height;
       if (squared > best || (squared == best && best_triangle >= 0 && f > best_triangle)) return;
@@ -589,16 +617,16 @@ void SelfContact::closest_gaps(std::span<const double> x, double max_distance, b
       best = squared;
       best_distance = std::sqrt(best);
       best_triangle = f;
-      best_projection = q;
+      best_point = facet.a + q.b1 * facet.e1 + q.b2 * facet.e2;
+      best_height = height;
     };
     // The partner of the last evaluation, if any, is a good first bound; the answer does not depend on it.
     const int guess = c.partner[n];
-    if (guess >= 0 && (!atrial_only || s.triangle_side[guess] > 0)) measure(guess);
+    if (guess >= 0 && (!atrial_only || s.triangle_side[guess] > 0)) measure(guess, head_of(guess));
     const auto visit = [&](int k) {
       const contact::FacetHead& head = heads[k];
       const double within = best_distance + head.size;
-      if ((p - head.centre).squaredNorm() > 1.0001 * within * within || !(head.n.dot(node_normal) < facing_cosine)) return;
-      measure(masters[grid.item(k)]);
+      if ((p - head.centre).squaredNorm() <= 1.0001 * within * within) measure(masters[grid.item(k)], head);
     };
     // Shells of cells around the node's own until nothing closer can follow.
     const auto home = grid.cell(p);
@@ -629,11 +657,9 @@ void SelfContact::closest_gaps(std::span<const double> x, double max_distance, b
       }
     }
     if (best_triangle < 0) return;
-    const Facet facet = facet_of(best_triangle);
     out.triangle[n] = best_triangle;
-    out.point[n] = facet.a + best_projection.b1 * facet.e1 + best_projection.b2 * facet.e2;
-    const double height = facet.n.dot(p - facet.a);
-    out.gap[n] = height < 0 ? -std::sqrt(best) : std::sqrt(best);
+    out.point[n] = best_point;
+    out.gap[n] = best_height < 0 ? -best_distance : best_distance;
   });
 }
 

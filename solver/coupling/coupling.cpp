@@ -13,8 +13,7 @@ constexpr double hold_stiffness = 0.2;
 constexpr double hold_damping = 0.2;
 }  // namespace
 
-Coupling::Coupling(Transfer transfer, double fluid_density, std::vector<double> masses)
-    : transfer_(std::move(transfer)), density_(fluid_density), masses_(std::move(masses)) {}
+Coupling::Coupling(Transfer transfer, double fluid_density) : transfer_(std::move(transfer)), density_(fluid_density) {}
 
 int Coupling::set_held(std::span<const double> x, std::span<const char> is_fixed) {
   std::vector<double> positions;
@@ -64,20 +63,20 @@ int Coupling::bind(const CoupledNodes& nodes) {
   active_.clear();
   const int count = static_cast<int>(nodes.is_fixed.size());
   for (int i = 0; i < count; ++i)
-    if (!nodes.is_fixed[static_cast<std::size_t>(i)] && !nodes.is_released[static_cast<std::size_t>(i)]) active_.push_back(i);
+    if (!nodes.is_fixed[static_cast<std::size_t>(i)]) active_.push_back(i);
   return transfer_.bind(nodes.x, active_);
 }
 
-void Coupling::move(const CoupledNodes& nodes, const FaceField& velocity, std::span<const double> forces, double dt) {
+void Coupling::move(const CoupledNodes& nodes, const FaceField& velocity, double dt) {
+  // Midpoint rule: a plain Euler step swells everything that turns, by (dt omega)^2 / 2 of its volume a step.
+  midpoint_.assign(nodes.x.begin(), nodes.x.end());
   transfer_.interpolate(velocity, nodes.v);
-  parallel_for(static_cast<std::ptrdiff_t>(nodes.is_fixed.size()), [&](std::ptrdiff_t i) {
-    const std::size_t node = static_cast<std::size_t>(i);
-    for (std::size_t a = 3 * node; a < 3 * node + 3; ++a) {
-      if (nodes.is_fixed[node]) nodes.v[a] = 0;
-      else if (nodes.is_released[node]) nodes.v[a] += dt * forces[a] / masses_[node];
-      nodes.x[a] += dt * nodes.v[a];
-    }
-  });
+  for (int i : active_)
+    for (std::size_t a = static_cast<std::size_t>(3 * i); a < static_cast<std::size_t>(3 * i + 3); ++a) midpoint_[a] += 0.5 * dt * nodes.v[a];
+  transfer_.bind(midpoint_, active_);
+  transfer_.interpolate(velocity, nodes.v);
+  for (int i : active_)
+    for (std::size_t a = static_cast<std::size_t>(3 * i); a < static_cast<std::size_t>(3 * i + 3); ++a) nodes.x[a] += dt * nodes.v[a];
 }
 
 void Coupling::accelerate(const CoupledNodes& nodes, std::span<const double> forces, FaceField& scratch, std::span<double> out) const {
@@ -86,7 +85,7 @@ void Coupling::accelerate(const CoupledNodes& nodes, std::span<const double> for
   transfer_.interpolate(scratch, out);
   for (std::size_t i = 0; i < nodes.is_fixed.size(); ++i)
     for (std::size_t a = 3 * i; a < 3 * i + 3; ++a)
-      out[a] = nodes.is_fixed[i] ? 0.0 : nodes.is_released[i] ? forces[a] / masses_[i] : out[a] / density_;
+      out[a] = nodes.is_fixed[i] ? 0.0 : out[a] / density_;
 }
 
 }  // namespace mv

@@ -17,13 +17,11 @@ struct CoupledNodes {
   std::span<double> x;
   std::span<double> v;
   std::span<const char> is_fixed;      // per node: held by the annulus
-  std::span<char> is_released;         // per node: written by schemes that let go
 };
 
 class Coupling {
  public:
-  /// `masses`: per node own mass (kg), used by schemes in which nodes may move on their own.
-  Coupling(Transfer transfer, double fluid_density, std::vector<double> masses);
+  Coupling(Transfer transfer, double fluid_density);
 
   /// Names the nodes that hold() works on, at the positions x where they stay. Returns how many there are.
   int set_held(std::span<const double> x, std::span<const char> is_fixed);
@@ -40,19 +38,18 @@ class Coupling {
   /// nodes being found once. `holding` (I, N, 3 per held node) is part of the state. Returns the work (J) done on the blood.
   double hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density);
 
-  /// New velocities and positions after the blood has moved.
-  void move(const CoupledNodes& nodes, const FaceField& velocity, std::span<const double> forces, double dt);
+  /// New velocities and positions after the blood has moved: midpoint rule, dx/dt = u(x).
+  void move(const CoupledNodes& nodes, const FaceField& velocity, double dt);
 
   /// Acceleration (m/s2) that nodal forces cause without the pressure's reply: an upper bound of the mobility, for the stable step.
   void accelerate(const CoupledNodes& nodes, std::span<const double> forces, FaceField& scratch, std::span<double> out) const;
 
-  const std::vector<double>& masses() const { return masses_; }
   const Transfer& transfer() const { return transfer_; }
 
  private:
   Transfer transfer_;
   double density_;
-  std::vector<double> masses_;
+  std::vector<double> midpoint_;
   std::vector<int> active_;
   std::unique_ptr<Transfer> held_transfer_;
   std::vector<int> held_;             // nodes

@@ -40,6 +40,20 @@ FilmDrainage::FilmDrainage(const Structure& structure, const FluidGrid& grid, co
   const std::size_t count = static_cast<std::size_t>(surface.node_count());
   normals_.resize(count);
   slip_.resize(count);
+  smoothed_.resize(count);
+  std::vector<std::vector<int>> around(count);
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f)
+    if (surface.triangle_side[f] > 0)
+      for (int a : surface.triangles[f])
+        for (int b : surface.triangles[f])
+          if (a != b) around[static_cast<std::size_t>(a)].push_back(b);
+  neighbour_start_.push_back(0);
+  for (auto& list : around) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+    neighbours_.insert(neighbours_.end(), list.begin(), list.end());
+    neighbour_start_.push_back(static_cast<int>(neighbours_.size()));
+  }
   // Nearest atrial-face node at rest, by a hash with cells of the fluid spacing.
   std::unordered_multimap<long, int> cells;
   auto key = [&](const Eigen::Vector3d& p, int dx, int dy, int dz) {
@@ -77,7 +91,7 @@ void FilmDrainage::find_gaps(std::span<const double> x, std::vector<double>& gap
   structure_->contact()->closest_gaps(x, options_.reach_end * grid_.h, true, closest_);
   gaps.assign(static_cast<std::size_t>(structure_->leaflet_nodes()), std::numeric_limits<double>::infinity());
   for (std::size_t s = 0; s < closest_.gap.size(); ++s)
-    if (surface.on_atrial_face[s] && closest_.triangle[s] >= 0) gaps[static_cast<std::size_t>(surface.nodes[s])] = closest_.gap[s];
+    if (surface.on_atrial_face[s] && closest_.triangle[s] >= 0 && closest_.gap[s] > -structure_->contact()->options().penetration_limit) gaps[static_cast<std::size_t>(surface.nodes[s])] = closest_.gap[s];
 }
 
 double FilmDrainage::slip(std::span<double> x, std::span<double> v, std::span<const double> gaps, const std::vector<double>& pressure,
@@ -85,6 +99,7 @@ double FilmDrainage::slip(std::span<double> x, std::span<double> v, std::span<co
   const ContactSurface& surface = structure_->surface();
   const auto contact_pressure = structure_->contact()->pressure();
   current_node_normals(surface, x, normals_);
+  const double touching = structure_->contact_threshold();
   const double speed = grid_.h / (options_.drainage_time * options_.pressure_scale);
   parallel_for(surface.node_count(), [&](std::ptrdiff_t n) {
     const std::size_t s = static_cast<std::size_t>(n);
@@ -94,9 +109,23 @@ double FilmDrainage::slip(std::span<double> x, std::span<double> v, std::span<co
     const Eigen::Vector3d here = Eigen::Vector3d::Map(x.data() + 3 * surface.nodes[s]);
     const double film = pressure_at(grid_, pressure, here + 0.5 * std::max(gap, 0.0) * normals_[s]);
     const double drive = std::min(film, pressure_difference - contact_pressure[s]);
-    const double fade = std::clamp((options_.reach_end - gap / grid_.h) / (options_.reach_end - options_.reach_full), 0.0, 1.0);
+    double fade = std::clamp((options_.reach_end - gap / grid_.h) / (options_.reach_end - options_.reach_full), 0.0, 1.0);
+    if (drive > 0) {
+      // Nothing is left to drain where the faces touch, and a pressure above the ventricle's is not a film's but that of crushed tissue.
+      fade *= std::clamp(2.0 * gap / touching, 0.0, 1.0) * std::clamp(2.0 - film / pressure_difference, 0.0, 1.0);
+    }
     slip_[s] = speed * fade * drive * normals_[s];
   });
+  for (int pass = 0; pass < options_.smoothing_passes; ++pass) {
+    parallel_for(surface.node_count(), [&](std::ptrdiff_t n) {
+      const std::size_t s = static_cast<std::size_t>(n);
+      Eigen::Vector3d sum = slip_[s];
+      const int begin = neighbour_start_[s], end = neighbour_start_[s + 1];
+      for (int q = begin; q < end; ++q) sum += slip_[static_cast<std::size_t>(neighbours_[static_cast<std::size_t>(q)])];
+      smoothed_[s] = sum / (1.0 + end - begin);
+    });
+    std::swap(slip_, smoothed_);
+  }
   double lost = 0;
   for (std::size_t i = 0; i < surface_index_.size(); ++i) {
     if (surface_index_[i] < 0) continue;

@@ -11,6 +11,7 @@
 // p_film the blood's pressure halfway to the facing leaflet, p_contact what the penalty carries there, h the fluid spacing and T the
 // drainage time. The slip ends when the film is at the atrium's pressure; then the leaflets touch and the contact carries p. Where the leaflets
 // are near each other but open to the atrium, p_film = p_atrium and nothing slips. The volume that passes is the film's own, once.
+// The slip is smoothed over the face, so that it does not shear elements where the facing leaflet ends.
 // Forces stay those of the immersed boundary, so momentum is exact; the energy lost is the work of the nodal forces on the slip.
 
 #include <span>
@@ -26,6 +27,7 @@ struct FilmDrainageOptions {
   double pressure_scale = 16e3;  // Pa, p_scale
   double reach_full = 1.5;       // cells: full slip up to this gap ...
   double reach_end = 2.5;        // ... and none beyond this one
+  int smoothing_passes = 10;     // averages with the neighbours on the face
 };
 
 class FilmDrainage {
@@ -47,7 +49,8 @@ class FilmDrainage {
   FilmDrainageOptions options_;
   std::vector<int> surface_index_;   // per leaflet node: contact-surface index of its atrial-face node, -1 for fixed nodes
   std::vector<Eigen::Vector3d> normals_;
-  std::vector<Eigen::Vector3d> slip_;  // m/s, per contact-surface node
+  std::vector<Eigen::Vector3d> slip_, smoothed_;  // m/s, per contact-surface node
+  std::vector<int> neighbour_start_, neighbours_; // of each atrial-face node on its face
   ClosestGaps closest_;
 };
 

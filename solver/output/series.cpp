@@ -102,6 +102,7 @@ const char* kind_name(ChordaKind kind) {
 }  // namespace
 
 std::string format_number(double value) {
+  if (value == 0) return "0";  // no "-0"
   std::array<char, 32> text;
   const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc() ? std::string(text.data(), end) : std::string("nan");

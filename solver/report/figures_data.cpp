@@ -25,6 +25,11 @@ Json rounded(double value, int digits = 5) {
   return std::strtod(text, nullptr);
 }
 
+std::string spaced(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
 std::size_t stride_of(std::size_t rows) { return rows <= most_rows ? 1 : (rows + most_rows - 1) / most_rows; }
 
 Json column(const std::vector<double>& values, double factor = 1) {
@@ -108,7 +113,7 @@ Json lines_of(const std::vector<MapLine>& lines) {
   return out;
 }
 
-Json map_data(const ContactMap& map, const MapView& view) {
+Json map_data(const ContactMap& map, const MapView& view, double pressure_scale) {
   const MapGrid grid = sample_map(map, map_step);
   Json out;
   out["u0"] = rounded(grid.u0);
@@ -116,7 +121,7 @@ Json map_data(const ContactMap& map, const MapView& view) {
   out["step"] = grid.step;
   out["columns"] = grid.columns;
   out["rows"] = grid.rows;
-  out["scale"] = view.pressure_scale;
+  out["scale"] = pressure_scale;
   Json pressure = Json::array(), gap = Json::array(), region = Json::array();
   for (int j = 0; j < grid.rows; ++j) {
     Json p = Json::array(), g = Json::array(), r = Json::array();
@@ -168,7 +173,7 @@ Json places_on_map(const ResultsData& data, const Json& hole) {
 
 }  // namespace
 
-Json figure_data(const ResultsData& data, const std::optional<MapView>& view) {
+Json figure_data(const ResultsData& data, const std::optional<MapView>& view, double pressure_scale) {
   Json out;
   out["papillary"] = Json{"anterolateral", "posteromedial"};
   if (const Json& names = json_at(data.run, "case.papillary"); names.is_array() && names.size() >= 2) out["papillary"] = names;
@@ -182,13 +187,14 @@ Json figure_data(const ResultsData& data, const std::optional<MapView>& view) {
     }
     const std::vector<std::string> limiter = data.series->texts("limiter");
     out["limiter"] = Json::array();
-    for (std::size_t i = 0; i < limiter.size(); i += stride_of(limiter.size())) out["limiter"].push_back(limiter[i]);
+    for (std::size_t i = 0; i < limiter.size(); i += stride_of(limiter.size())) out["limiter"].push_back(spaced(limiter[i]));
   }
+  if (const Json& closing = json_at(data.summary, "flow.closing_time_s"); closing.is_number()) out["closing_ms"] = rounded(1e3 * closing.get<double>());
   if (data.chordae && !data.chordae->rows.empty()) {
     Json chordae = chordae_data(*data.chordae, out["papillary"]);
     if (!chordae.is_null()) out["chordae"] = std::move(chordae);
   }
-  if (data.map && view) out["map"] = map_data(*data.map, *view);
+  if (data.map && view) out["map"] = map_data(*data.map, *view, pressure_scale);
   if (const Json& holes = json_at(data.summary, "seal.holes"); holes.is_array())
     for (const Json& hole : holes)
       if (hole.is_object() && hole.contains("area_mm2")) out["holes"].push_back({{"u", places_on_map(data, hole)}, {"area", html::number(hole.value("area_mm2", NAN))}});

@@ -90,7 +90,12 @@ std::string value(const Json& json) {
   if (json.is_null()) return "–";
   if (json.is_boolean()) return json.get<bool>() ? "yes" : "no";
   if (json.is_number()) return number(json.get<double>());
-  if (json.is_string()) return escape(json.get<std::string>());
+  if (json.is_string()) {
+    std::string text = json.get<std::string>(), out;
+    while (text.ends_with('\n')) text.pop_back();
+    for (char c : text) out += c == '\n' ? "<br>" : escape(std::string_view(&c, 1));
+    return out;
+  }
   if (json.is_array() && !is_list_of_objects(json)) {
     std::string out;
     for (const Json& item : json) out += (out.empty() ? "" : ", ") + value(item);

@@ -188,15 +188,6 @@ MapView make_map_view(const ContactMap& map, const std::optional<LeafletsFrame>&
     for (double p : map.contact_pressure) flag.push_back(p > 0);
   view.belt = contour(map, flag);
 
-  std::vector<double> carried;
-  for (double p : map.contact_pressure)
-    if (p > 0) carried.push_back(p);
-  if (!carried.empty()) {
-    std::sort(carried.begin(), carried.end());
-    view.pressure_max = carried.back();
-    view.pressure_scale = round_up_nicely(carried[static_cast<std::size_t>(0.99 * static_cast<double>(carried.size() - 1))]);
-  }
-
   const auto range = anterior_range(map);
   if (!range) return view;
   const Profile profile(map);

@@ -37,8 +37,6 @@ struct MapView {
   std::vector<MapLine> belt;         // around in_belt, or around pressure > 0 when the map does not carry the belt
   std::vector<MapLine> commissures;  // lines between the leaflets
   std::vector<MapLabel> labels;
-  double pressure_scale = 1;         // kPa: 99th percentile of what the belt carries, rounded up nicely
-  double pressure_max = 0;           // kPa
 };
 
 /// `open` and `chordae` (at rest) tell the anterolateral end: the commissure nearer to muscle 0. Without them parts are numbered along u

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/report/page.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -35,10 +36,13 @@ std::string colour_key(const Rgb& colour, const std::string& name) {
   return "<span class=\"key\"><i style=\"background:" + hex(colour) + "\"></i>" + escape(name) + "</span>";
 }
 
+/// case.name of case.toml, which mvprep writes with one key a line.
 std::string case_name(const ResultsData& data) {
-  for (const char* key : {"case.name", "settings.case.name", "name"})
-    if (const Json& name = json_at(data.run, key); name.is_string()) return name.get<std::string>();
-  return "";
+  if (const Json& name = json_at(data.run, "case.name"); name.is_string()) return name.get<std::string>();
+  const std::size_t section = data.case_toml.find("[case]"), key = data.case_toml.find("\nname = \"", section);
+  if (section == std::string::npos || key == std::string::npos) return "";
+  const std::size_t begin = data.case_toml.find('"', key) + 1, end = data.case_toml.find('"', begin);
+  return data.case_toml.substr(begin, end - begin);
 }
 
 std::string verdict_section(const Verdict& verdict) {
@@ -65,14 +69,14 @@ std::string key_numbers(const Json& summary) {
       {"papillary forces", "papillary.force_N", "N"}, {"bulging volume", "bulging.volume_ml", "ml"}, {"bulging area", "bulging.area_ratio", "%", 100}, {"peak velocity", "flow.peak_velocity_m_s", "m/s"},
       {"fluid cells", "fluid.cells", ""}, {"grid spacing", "fluid.spacing_mm", "mm"}, {"tetrahedra", "solid.tets", ""}, {"simulated", "run.simulated_s", "s"}, {"steps", "run.steps", ""},
       {"mean step", "run.dt_mean_s", "µs", 1e6}, {"solve time", "run.wall_s", "s"}, {"threads", "run.threads", ""}};
-  std::string out = "<dl class=\"numbers\" id=\"numbers\">\n";
+  std::string out;
   for (const Number& n : numbers) {
     const Json& value = json_at(summary, n.key);
     if (value.is_null()) continue;
     const std::string text = value.is_number() ? html::number(n.factor * value.get<double>()) : html::value(value);
     out += "<div><dt>" + escape(n.name) + "</dt><dd>" + text + (*n.unit != 0 ? "<small>" + escape(n.unit) + "</small>" : "") + "</dd></div>\n";
   }
-  return out + "</dl>\n";
+  return out.empty() ? out : "<dl class=\"numbers\" id=\"numbers\">\n" + out + "</dl>\n";
 }
 
 std::string plot(const std::string& id, const std::string& caption) {
@@ -84,19 +88,20 @@ std::string picture_figure(const Picture& picture, const std::string& title) {
          "\" src=\"data:image/png;base64," + base64(picture.png) + "\"><figcaption>" + escape(title + ", " + picture.caption) + "</figcaption></figure>\n";
 }
 
-std::string map_section(const ResultsData& data, const std::optional<MapView>& view) {
+std::string map_section(const ResultsData& data, const std::optional<MapView>& view, const Scales& scales) {
   std::string out = "<h2 id=\"map\">Contact map</h2>\n";
   if (!data.map || !view) return out + html::missing("No contact map: contact_map.vtp is not in the results.");
   out += "<p class=\"lead\">What the atrial faces press on each other at the end of the run, drawn on the unfolded valve: the annulus runs along the top, the free edge hangs below. A belt "
          "that joins commissure to commissure without a gap means that the leaflets close all along.</p>\n";
-  std::string caption = "Contact pressure (total crossing the belt above atrial pressure). Grey: no contact. Colours end at " + html::number(view->pressure_scale) + " kPa";
-  if (view->pressure_max > view->pressure_scale) caption += "; the highest value, " + html::number(view->pressure_max) + " kPa, is drawn in the last colour";
+  std::string caption = "Contact pressure (total crossing the belt above atrial pressure). Grey: no contact. Colours end at " + html::number(scales.pressure) + " kPa";
+  const double highest = *std::max_element(data.map->contact_pressure.begin(), data.map->contact_pressure.end());
+  if (highest > scales.pressure) caption += "; the highest value, " + html::number(highest) + " kPa, is drawn in the last colour";
   if (json_at(data.summary, "seal.sealed") == false) caption += ". Dashed: the leaflets' places nearest to each hole";
   if (json_at(data.summary, "contact.belt_continuous") == false) caption += ". Shaded: where the belt is interrupted";
   return out + plot("fig-map", caption + ". Point at the map for values.");
 }
 
-std::string views_section(const std::vector<Picture>& pictures, const ResultsData& data, const std::optional<MapView>& view, double stress_scale) {
+std::string views_section(const std::vector<Picture>& pictures, const ResultsData& data, const Scales& scales) {
   std::string out = "<h2 id=\"views\">The valve, open and closed</h2>\n";
   if (pictures.empty()) return out + html::missing("No views: leaflets.pvd is not in the results.");
   const auto group = [&](const std::string& prefix, const std::string& title, const char* style) {
@@ -108,12 +113,12 @@ std::string views_section(const std::vector<Picture>& pictures, const ResultsDat
   const auto at = [](double time) { return " at " + html::number(1e3 * time) + " ms"; };
   out += "<div class=\"scale\">" + colour_key(anterior_colour, "anterior leaflet") + colour_key(posterior_colour, "posterior leaflet");
   if (data.frames.open_chordae) out += colour_key(primary_colour, "primary chordae") + colour_key(secondary_colour, "secondary chordae") + colour_key(muscle_colour, "papillary tips");
-  if (data.map && view) out += colour_bar(viridis_stops, view->pressure_scale, "contact pressure");
+  if (scales.pressure > 0) out += colour_bar(viridis_stops, scales.pressure, "contact pressure");
   out += "</div>\n";
   if (data.frames.open) out += "<h3>First frame" + at(data.frames.open->time) + "</h3>\n" + group("open", "first frame", "pictures");
   if (data.frames.closed) out += "<h3>Last frame" + at(data.frames.closed->time) + "</h3>\n" + group("closed", "last frame", "pictures");
   const std::string stress = group("stress", "von Mises stress", "pictures two");
-  if (!stress.empty()) out += "<h3>Von Mises stress in the last frame</h3>\n<div class=\"scale\">" + colour_bar(cividis_stops, stress_scale, "von Mises stress") + "</div>\n" + stress;
+  if (!stress.empty()) out += "<h3>Von Mises stress in the last frame</h3>\n<div class=\"scale\">" + colour_bar(cividis_stops, scales.stress, "von Mises stress") + "</div>\n" + stress;
   return out;
 }
 
@@ -123,7 +128,7 @@ std::string flow_section(const Json& figures) {
   if (!figures["series"].contains("flow_ml_s"))
     return out + (figures["series"].contains("pressure_difference_mmHg") ? plot("fig-flow", "Pressure difference across the valve. The scene has no fluid: the pressure acts on the ventricular faces.")
                                                                            : html::missing("The scene has neither fluid nor pressure."));
-  return out + plot("fig-flow", "Pressure difference, flow through the annulus plane (forward, from atrium to ventricle, is positive) and its integral over time.");
+  return out + plot("fig-flow", "Pressure difference, flow through the annulus plane (forward, from atrium to ventricle, is positive), the net leak after closure (backward is positive), and the integral of the flow over time.");
 }
 
 std::string contact_section(const Json& figures) {
@@ -172,7 +177,7 @@ std::string gates_section(const ResultsData& data) {
 std::string settings_section(const ResultsData& data) {
   std::string out = "<h2 id=\"settings\">Settings, versions and hashes</h2>\n";
   Json run = data.run.is_object() ? data.run : Json::object(), settings = Json::object();
-  if (run.contains("settings")) {
+  if (run.contains("settings") && run["settings"].is_object()) {
     settings = run["settings"];
     run.erase("settings");
   }
@@ -186,9 +191,9 @@ std::string settings_section(const ResultsData& data) {
 
 }  // namespace
 
-std::string make_page(const ResultsData& data, const std::optional<MapView>& view, const std::vector<Picture>& pictures, double stress_scale) {
+std::string make_page(const ResultsData& data, const std::optional<MapView>& view, const std::vector<Picture>& pictures, const Scales& scales) {
   const Verdict verdict = make_verdict(data.summary);
-  const Json figures = figure_data(data, view);
+  const Json figures = figure_data(data, view, scales.pressure);
   const std::string name = case_name(data), title = "Mitral valve closure" + (name.empty() ? "" : ": " + name);
   std::string page = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" + escape(title) +
                      "</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>\n" + std::string(assets::style_css) + "</style>\n</head>\n<body>\n<main>\n";
@@ -198,8 +203,8 @@ std::string make_page(const ResultsData& data, const std::optional<MapView>& vie
           "time step</a><a href=\"#mesh\">Mesh gates</a><a href=\"#settings\">Settings, versions, hashes</a></nav>\n";
   page += key_numbers(data.summary);
   page += "<noscript><p class=\"missing\">The plots need JavaScript; numbers, pictures and tables do not.</p></noscript>\n";
-  page += map_section(data, view);
-  page += views_section(pictures, data, view, stress_scale);
+  page += map_section(data, view, scales);
+  page += views_section(pictures, data, scales);
   page += flow_section(figures);
   page += contact_section(figures);
   page += chordae_section(figures);

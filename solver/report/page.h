@@ -15,7 +15,13 @@ namespace assets {
 extern const std::string_view style_css, figures_js, plotly_js;
 }
 
-/// The whole page. `stress_scale` in kPa, 0 when there are no stress pictures.
-std::string make_page(const ResultsData& data, const std::optional<MapView>& view, const std::vector<Picture>& pictures, double stress_scale);
+/// Upper ends of the colour scales, kPa; 0 when nothing is drawn with them.
+struct Scales {
+  double pressure = 0;
+  double stress = 0;
+};
+
+/// The whole page.
+std::string make_page(const ResultsData& data, const std::optional<MapView>& view, const std::vector<Picture>& pictures, const Scales& scales);
 
 }  // namespace mv

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int picture_width = 900, picture_height = 720;
 constexpr double eye_distance = 300;   // mm: a little perspective separates near from far
-constexpr double annulus_radius = 0.4, edge_radius = 0.16, chorda_radius = 0.3, tip_radius = 1.3;  // mm
+constexpr double annulus_radius = 0.45, edge_radius = 0.16, chorda_radius = 0.3, tip_radius = 1.3;  // mm
 constexpr double letter_height = 1.7;  // mm
 
 /// The valve's own directions and middle.
@@ -98,7 +98,7 @@ std::array<ColouredMesh, 2> leaflet_surface(const LeafletsFrame& frame, Paint pa
     part.points = mesh.points;
     part.colours = paint == Paint::stress ? stress_colours(frame, scale) : leaflet_tints(mesh);
   }
-  if (paint == Paint::contact && !frame.contact_pressure.empty())
+  if (paint == Paint::contact && scale > 0 && !frame.contact_pressure.empty())
     for (double p : frame.contact_pressure) {
       parts[0].coat.push_back(map_colour(viridis_stops, p / scale));
       parts[0].cover.push_back(p > 0 ? 1.0f : 0.0f);
@@ -146,15 +146,21 @@ ColouredMesh cut_face(const LeafletsFrame& frame, const Vec3& origin, const Vec3
   return out;
 }
 
-/// Points with the flag on the atrial face, in order along the pattern.
-std::vector<Vec3> flagged_line(const LeafletMesh& mesh, const std::vector<char>& flag) {
+/// Points with the flag on one side, in order along the pattern.
+std::vector<Vec3> flagged_line(const LeafletMesh& mesh, const std::vector<char>& flag, int side) {
   std::vector<std::pair<double, Vec3>> line;
   for (std::size_t i = 0; i < mesh.points.size(); ++i)
-    if (flag[i] != 0 && mesh.side[i] == atrial) line.emplace_back(mesh.unfolded[i].x(), mesh.points[i]);
+    if (flag[i] != 0 && mesh.side[i] == side) line.emplace_back(mesh.unfolded[i].x(), mesh.points[i]);
   std::sort(line.begin(), line.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Vec3> points;
   for (const auto& [u, x] : line) points.push_back(x);
   return points;
+}
+
+/// The annulus in the middle of the thickness; at the atrial face when no points lie between the faces.
+std::vector<Vec3> annulus_line(const LeafletMesh& mesh) {
+  std::vector<Vec3> line = flagged_line(mesh, mesh.on_annulus, between);
+  return line.size() >= 3 ? line : flagged_line(mesh, mesh.on_annulus, atrial);
 }
 
 ColouredMesh chordae_mesh(const ChordaeFrame& chordae) {
@@ -232,8 +238,8 @@ Image draw_view(const Scene& scene, View view, Paint paint, double scale) {
     else canvas.draw(part);
   };
   for (const ColouredMesh& part : leaflet_surface(scene.leaflets, paint, scale)) draw(part);
-  draw(make_tube(flagged_line(mesh, mesh.on_annulus), annulus_radius, ink_colour, true));
-  draw(make_tube(flagged_line(mesh, mesh.on_free_edge), edge_radius, ink_colour * 1.6f, true));
+  draw(make_tube(annulus_line(mesh), annulus_radius, ink_colour, true));
+  draw(make_tube(flagged_line(mesh, mesh.on_free_edge, atrial), edge_radius, ink_colour * 1.6f, true));
   if (scene.chordae != nullptr) draw(chordae_mesh(*scene.chordae));
   if (view == View::cut) canvas.draw(cut_face(scene.leaflets, axes.centre, axes.right));
 
@@ -273,6 +279,15 @@ double stress_scale_of(const LeafletsFrame& frame) {
   return round_up_nicely(sorted[static_cast<std::size_t>(0.99 * static_cast<double>(sorted.size() - 1))]);
 }
 
+double pressure_scale_of(const std::vector<double>& contact_pressures) {
+  std::vector<double> carried;
+  for (double p : contact_pressures)
+    if (p > 0) carried.push_back(p);
+  if (carried.empty()) return 0;
+  std::sort(carried.begin(), carried.end());
+  return round_up_nicely(carried[static_cast<std::size_t>(0.99 * static_cast<double>(carried.size() - 1))]);
+}
+
 std::vector<Picture> draw_valve(const ValveFrames& frames, double pressure_scale, double stress_scale) {
   std::vector<Picture> pictures;
   if (!frames.open) return pictures;
@@ -308,7 +323,7 @@ std::vector<Picture> draw_valve(const ValveFrames& frames, double pressure_scale
   return pictures;
 }
 
-Picture draw_contact_map(const ContactMap& map, const MapView& view) {
+Picture draw_contact_map(const ContactMap& map, const MapView& view, double pressure_scale) {
   constexpr double margin = 4, foot = 13, head = 5, letters = 2.0;  // mm
   const Vec2 size = view.upper - view.lower;
   const double half_width = size.x() / 2 + margin, half_height = (size.y() + head + foot) / 2;
@@ -326,7 +341,7 @@ Picture draw_contact_map(const ContactMap& map, const MapView& view) {
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     const Vec2 p = place(map.points[i]);
     sheet.points.emplace_back(p.x(), p.y(), 0);
-    sheet.coat.push_back(map_colour(viridis_stops, map.contact_pressure[i] / view.pressure_scale));
+    sheet.coat.push_back(map_colour(viridis_stops, map.contact_pressure[i] / pressure_scale));
     sheet.cover.push_back(map.contact_pressure[i] > 0 ? 1.0f : 0.0f);
   }
   canvas.draw_over(sheet);
@@ -360,7 +375,7 @@ Picture draw_contact_map(const ContactMap& map, const MapView& view) {
   for (int i = 0; i < steps; ++i)
     canvas.draw_over(rectangle(scale + Vec2(length * i / steps, 0), scale + Vec2(length * (i + 1) / steps, thickness),
                                map_colour(viridis_stops, static_cast<double>(i) / steps), map_colour(viridis_stops, (i + 1.0) / steps)));
-  for (int i = 0; i <= 2; ++i) write_centred(canvas, number(view.pressure_scale * i / 2), scale.x() + length * i / 2, base - 2.2, 0.75 * letters);
+  for (int i = 0; i <= 2; ++i) write_centred(canvas, number(pressure_scale * i / 2), scale.x() + length * i / 2, base - 2.2, 0.75 * letters);
   write_centred(canvas, "contact pressure, kPa", scale.x() + length / 2, base + thickness + 0.9, 0.75 * letters);
   Finish plain;
   plain.outline_step = plain.valley_strength = 0;

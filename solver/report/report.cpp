@@ -32,17 +32,19 @@ void write_pictures(const fs::path& folder, const std::vector<Picture>& pictures
 
 fs::path write_report(const fs::path& results) {
   const ResultsData data = read_results(results);
+  Scales scales;
+  if (data.frames.closed) scales = {pressure_scale_of(data.frames.closed->contact_pressure), stress_scale_of(*data.frames.closed)};
+  if (data.map) scales.pressure = std::max(1e-3, pressure_scale_of(data.map->contact_pressure));
   std::optional<MapView> view;
   std::optional<Picture> map_picture;
   if (data.map) {
     view = make_map_view(*data.map, data.frames.open, data.frames.open_chordae);
-    map_picture = draw_contact_map(*data.map, *view);
+    map_picture = draw_contact_map(*data.map, *view, scales.pressure);
   }
-  const double stress_scale = data.frames.closed ? stress_scale_of(*data.frames.closed) : 0;
-  const std::vector<Picture> pictures = draw_valve(data.frames, view ? view->pressure_scale : 1, stress_scale);
+  const std::vector<Picture> pictures = draw_valve(data.frames, scales.pressure, scales.stress);
   write_pictures(results / "pictures", pictures, map_picture);
   const fs::path page = results / "report.html";
-  write_text_atomically(page, make_page(data, view, pictures, stress_scale));
+  write_text_atomically(page, make_page(data, view, pictures, scales));
   return page;
 }
 

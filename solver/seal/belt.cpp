@@ -19,8 +19,8 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// One leaflet's part of the map.
 struct Patchwork {
-  std::vector<int> rim;        // contact points with a neighbour out of contact or on the surface's border
-  std::vector<int> patch;      // of each rim point
+  std::vector<int> rim;                       // contact points with a neighbour out of contact or on the surface's border
+  std::vector<int> patch;                     // of each rim point
   std::vector<double> low_reach, high_reach;  // per patch: distance in u from either commissure
   std::vector<int> low_point, high_point;     // its outermost points
 };
@@ -105,7 +105,8 @@ std::vector<Jump> best_way(const BeltInput& in, const Patchwork& patches, double
     if (node == last) break;
     if (node == 0) {
       offer(last, {std::max(0.0, length - 2 * reach), -1, -1}, 0);
-      for (std::size_t p = 0; p < count; ++p) offer(p + 1, {std::max(0.0, patches.low_reach[p] - reach), -1, patches.low_point[p]}, 0);
+      for (std::size_t p = 0; p < count; ++p)
+        offer(p + 1, {std::max(0.0, patches.low_reach[p] - reach), -1, patches.low_point[p]}, 0);
       continue;
     }
     const std::size_t p = node - 1;
@@ -186,9 +187,7 @@ BeltResult measure_belt(const BeltInput& in, const BeltOptions& options) {
       BeltInterruption gap;
       gap.region = region;
       gap.width_mm = jump.width;
-      const auto end = [&](int point, double u) {
-        return point < 0 ? Vec2(u, 0) : in.unfolded[static_cast<std::size_t>(point)];
-      };
+      const auto end = [&](int point, double u) { return point < 0 ? Vec2(u, 0) : in.unfolded[static_cast<std::size_t>(point)]; };
       Vec2 a = end(jump.from, belt.u_min), b = end(jump.to, belt.u_max);
       if (jump.from < 0 && jump.to >= 0) a.y() = b.y();
       if (jump.to < 0 && jump.from >= 0) b.y() = a.y();

@@ -128,7 +128,8 @@ double widest_at(const VoxelField& field, const std::vector<std::uint8_t>& label
   const auto slack = static_cast<float>(half_diagonal * field.grid().h);
   for (Voxel v : group)
     field.grid().neighbours(v, [&](Voxel w, int) {
-      if (label[static_cast<std::size_t>(w)] != ventricle || std::min(field.distance(v), field.distance(w)) + slack <= best) return;
+      if (label[static_cast<std::size_t>(w)] != ventricle || std::min(field.distance(v), field.distance(w)) + slack <= best)
+        return;
       best = std::max(best, std::min(field.peak(v), field.peak(w)));
     });
   return 2 * best;
@@ -138,7 +139,8 @@ double widest_at(const VoxelField& field, const std::vector<std::uint8_t>& label
 /// meeting place; the rim of that neighbourhood is fixed to the colours.
 class LocalCut {
  public:
-  LocalCut(const VoxelField& field, const std::vector<std::uint8_t>& label, const std::vector<Voxel>& group, double level, double reach)
+  LocalCut(const VoxelField& field, const std::vector<std::uint8_t>& label, const std::vector<Voxel>& group, double level,
+           double reach)
       : field_(field), grid_(field.grid()), steps_(static_cast<int>(std::ceil(1.5 * reach / grid_.h))) {
     choose_box(group, level);
     colour(label, level);
@@ -293,7 +295,10 @@ class LocalCut {
       problem.start[s] = colour_[s] == atrium ? 1.0f : 0.0f;
       const bool end = k == 0 || k == grid_.n[2] - 1;
       const bool rim = steps_from_[s] >= steps_;
-      problem.state[s] = share[s] < least_share ? cut_empty : !(rim || end) ? cut_free : colour_[s] == atrium ? cut_one : cut_zero;
+      problem.state[s] = share[s] < least_share ? cut_empty
+                         : !(rim || end)        ? cut_free
+                         : colour_[s] == atrium ? cut_one
+                                                : cut_zero;
     });
     for_each([&](int i, int j, int k) {
       const std::size_t s = box_.at(i, j, k);
@@ -303,7 +308,10 @@ class LocalCut {
         e[d] += 1;
         if (!box_.holds(e[0], e[1], e[2])) continue;
         const std::size_t t = box_.at(e[0], e[1], e[2]);
-        if (problem.state[t] != cut_empty && may_cross(s, t)) problem.weight[d][s] = share[s] >= 1 && share[t] >= 1 ? 1.0f : static_cast<float>(field_.open_face(grid_.at(i, j, k), static_cast<int>(d)));
+        if (problem.state[t] != cut_empty && may_cross(s, t))
+          problem.weight[d][s] = share[s] >= 1 && share[t] >= 1
+                                     ? 1.0f
+                                     : static_cast<float>(field_.open_face(grid_.at(i, j, k), static_cast<int>(d)));
       }
     });
     return problem;
@@ -322,7 +330,7 @@ class LocalCut {
   Box box_;
   std::vector<std::uint8_t> colour_;
   std::vector<int> steps_from_;
-  std::vector<float> share_;   // open share, -1 where not asked for
+  std::vector<float> share_;  // open share, -1 where not asked for
 };
 
 }  // namespace

@@ -11,10 +11,10 @@
 namespace mv::seal {
 
 struct Opening {
-  Vec3 place = Vec3::Zero();   // tube frame
-  double area = 0;             // mm2, primal value of the minimum cut
-  double area_error = 0;       // mm2, duality gap
-  double width = 0;            // mm, widest ball that passes here
+  Vec3 place = Vec3::Zero();  // tube frame
+  double area = 0;            // mm2, primal value of the minimum cut
+  double area_error = 0;      // mm2, duality gap
+  double width = 0;           // mm, widest ball that passes here
 };
 
 /// Openings through which a ball of diameter `threshold` passes; largest area first. Empty when none does.

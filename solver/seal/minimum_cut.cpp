@@ -78,7 +78,8 @@ CutResult solve_minimum_cut(const CutProblem& problem, double gap, int max_itera
       result.area = result.lower = 0;
       for (std::size_t a = 0; a < count; ++a) {
         const auto g = gradient(a, u);
-        result.area += std::sqrt(static_cast<double>(g[0]) * g[0] + static_cast<double>(g[1]) * g[1] + static_cast<double>(g[2]) * g[2]);
+        result.area +=
+            std::sqrt(static_cast<double>(g[0]) * g[0] + static_cast<double>(g[1]) * g[1] + static_cast<double>(g[2]) * g[2]);
         const double d = adjoint(a);
         if (cells[a].state == cut_one) result.lower += d;
         if (cells[a].state == cut_free) result.lower += std::min(0.0, d);

@@ -16,22 +16,23 @@ enum CutState : std::uint8_t { cut_empty = 0, cut_free = 1, cut_one = 2, cut_zer
 
 struct CutProblem {
   std::array<int, 3> n{0, 0, 0};
-  std::vector<std::uint8_t> state;            // CutState per cell, x fastest
-  std::array<std::vector<float>, 3> weight;   // open share of the face towards the next cell, per direction
-  std::vector<float> start;                   // first guess of u
+  std::vector<std::uint8_t> state;           // CutState per cell, x fastest
+  std::array<std::vector<float>, 3> weight;  // open share of the face towards the next cell, per direction
+  std::vector<float> start;                  // first guess of u
 
   explicit CutProblem(std::array<int, 3> cells);
   std::size_t size() const { return state.size(); }
   std::size_t at(int i, int j, int k) const {
-    return (static_cast<std::size_t>(k) * static_cast<std::size_t>(n[1]) + static_cast<std::size_t>(j)) * static_cast<std::size_t>(n[0]) +
+    return (static_cast<std::size_t>(k) * static_cast<std::size_t>(n[1]) + static_cast<std::size_t>(j)) *
+               static_cast<std::size_t>(n[0]) +
            static_cast<std::size_t>(i);
   }
 };
 
 struct CutResult {
-  double area = 0;              // primal value: the area of a separating surface, an upper bound of the least one (cell faces)
-  double lower = 0;             // dual value: no surface is smaller
-  std::vector<float> density;   // |grad u| per cell: where the surface lies
+  double area = 0;             // primal value: the area of a separating surface, an upper bound of the least one (cell faces)
+  double lower = 0;            // dual value: no surface is smaller
+  std::vector<float> density;  // |grad u| per cell: where the surface lies
   int iterations = 0;
 };
 

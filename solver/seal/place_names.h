@@ -17,8 +17,8 @@ struct PlaceName {
   double u = 0;
 };
 
-/// Names need region and unfolded per point. Segments are thirds of a leaflet's u interval; a commissure is its outer tenth. Segment 1
-/// is the anterolateral end; with an unknown direction segments count along u.
+/// Names need region and unfolded per point. Segments are thirds of a leaflet's u interval; a commissure is its outer tenth.
+/// Segment 1 is the anterolateral end; with an unknown direction segments count along u.
 class PlaceNames {
  public:
   explicit PlaceNames(const SealInput& input);

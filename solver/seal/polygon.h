@@ -12,7 +12,8 @@ namespace mv::seal {
 double signed_area(std::span<const Vec2> polygon);
 bool polygon_contains(std::span<const Vec2> polygon, const Vec2& p);
 
-/// Nearest point of a closed polygon: distance (not squared), index of the edge's first corner and position along that edge, 0 to 1.
+/// Nearest point of a closed polygon: distance (not squared), index of the edge's first corner and position along that edge, 0
+/// to 1.
 struct NearestOnLoop {
   double distance = 0;
   std::size_t edge = 0;

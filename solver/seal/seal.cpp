@@ -30,8 +30,8 @@ void check_surface(const SealInput& input) {
     }
   for (const auto& [edge, count] : balance)
     if (count != 0)
-      throw InputError("seal: the leaflet surface is not closed and consistently oriented at edge " + std::to_string(edge.first) + "-" +
-                       std::to_string(edge.second) + "; give the whole boundary of the solid");
+      throw InputError("seal: the leaflet surface is not closed and consistently oriented at edge " + std::to_string(edge.first) +
+                       "-" + std::to_string(edge.second) + "; give the whole boundary of the solid");
 }
 
 void check(const SealInput& input, const SealOptions& options) {
@@ -42,7 +42,8 @@ void check(const SealInput& input, const SealOptions& options) {
     throw InputError("seal: unfolded needs one entry per point");
   if (input.tube.cross_section.size() < 3 || !(std::abs(seal::signed_area(input.tube.cross_section)) > 0))
     throw InputError("seal: the tube's cross-section encloses no area");
-  if (!(input.tube.z_atrium > input.tube.z_ventricle)) throw InputError("seal: the tube's atrial end must lie above its ventricular end");
+  if (!(input.tube.z_atrium > input.tube.z_ventricle))
+    throw InputError("seal: the tube's atrial end must lie above its ventricular end");
   if (input.annulus.size() < 3) throw InputError("seal: the annulus needs at least three points");
   for (const Vec3& p : input.annulus)
     if (!p.allFinite()) throw InputError("seal: an annulus point is not finite");
@@ -61,7 +62,9 @@ SealingThreshold threshold_of(const seal::Passage& passage, const seal::VoxelFie
 }
 
 /// Distances are exact in a band that covers the threshold and a few voxels around it.
-double exact_band(double threshold, const SealOptions& options) { return std::max(0.5 * threshold, 0.5) + 2 * options.spacing_mm; }
+double exact_band(double threshold, const SealOptions& options) {
+  return std::max(0.5 * threshold, 0.5) + 2 * options.spacing_mm;
+}
 
 }  // namespace
 
@@ -82,7 +85,8 @@ SealResult find_seal(const SealInput& input, double threshold_mm, const SealOpti
   result.sealed = result.smallest.value_mm < threshold_mm;
   result.certain = result.sealed || result.smallest.lower_mm >= threshold_mm;
   if (!result.certain)
-    result.warnings.push_back("the threshold lies within the resolution of the smallest sealing threshold; a finer seal spacing decides");
+    result.warnings.push_back(
+        "the threshold lies within the resolution of the smallest sealing threshold; a finer seal spacing decides");
   if (!result.sealed) {
     for (const seal::Opening& opening : seal::find_openings(field, threshold_mm, options)) {
       Hole hole;
@@ -96,11 +100,13 @@ SealResult find_seal(const SealInput& input, double threshold_mm, const SealOpti
       hole.u_mm = name.u;
       if (opening.area_error > 2 * options.cut_gap * opening.area + 1e-9)
         result.warnings.push_back("the area of hole " + std::to_string(result.holes.size()) + " did not converge: between " +
-                                  std::to_string(opening.area - opening.area_error) + " and " + std::to_string(opening.area) + " mm2");
+                                  std::to_string(opening.area - opening.area_error) + " and " + std::to_string(opening.area) +
+                                  " mm2");
       result.hole_area_mm2 += hole.area_mm2;
       result.holes.push_back(std::move(hole));
     }
-    if (result.holes.empty()) result.warnings.push_back("not sealed, but no hole is as wide as a voxel; a finer seal spacing shows it");
+    if (result.holes.empty())
+      result.warnings.push_back("not sealed, but no hole is as wide as a voxel; a finer seal spacing shows it");
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;

@@ -19,48 +19,48 @@
 namespace mv {
 
 struct SealInput {
-  std::vector<Vec3> points;                    // deformed
-  std::vector<std::array<int, 3>> triangles;   // whole boundary of the solid: closed, consistently oriented (either way)
-  std::vector<int> region;                     // Region per point, only for names; may be empty
-  std::vector<Vec2> unfolded;                  // (u, v) per point, only for names; may be empty. u of one leaflet is one interval
-  std::vector<Vec3> annulus;                   // closed loop at its present place, last point not repeated
-  Tube tube;                                   // used: origin, axes, cross_section, z_ventricle, z_atrium
-  Vec3 anterolateral = Vec3::Zero();           // direction from the posteromedial to the anterolateral side; zero: not known
+  std::vector<Vec3> points;                   // deformed
+  std::vector<std::array<int, 3>> triangles;  // whole boundary of the solid: closed, consistently oriented (either way)
+  std::vector<int> region;                    // Region per point, only for names; may be empty
+  std::vector<Vec2> unfolded;                 // (u, v) per point, only for names; may be empty. u of one leaflet is one interval
+  std::vector<Vec3> annulus;                  // closed loop at its present place, last point not repeated
+  Tube tube;                                  // used: origin, axes, cross_section, z_ventricle, z_atrium
+  Vec3 anterolateral = Vec3::Zero();          // direction from the posteromedial to the anterolateral side; zero: not known
 };
 
 struct SealOptions {
-  double spacing_mm = 0.25;        // voxel size; a leaflet must be at least 2.4 voxels thick where it separates the two sides
-  double ring_zone_mm = 1.5;       // within this height of the annulus curve ...
-  double ring_growth_mm = 0.75;    // ... the wall is grown inwards by this much, and fills everything outside the curve
-  double margin_mm = 1.5;          // voxels reach this far above and below the leaflets; beyond that the tube is open
-  int max_cut_iterations = 4000;   // for the area of a hole
-  double cut_gap = 0.02;           // relative duality gap at which the area is accepted
+  double spacing_mm = 0.25;       // voxel size; a leaflet must be at least 2.4 voxels thick where it separates the two sides
+  double ring_zone_mm = 1.5;      // within this height of the annulus curve ...
+  double ring_growth_mm = 0.75;   // ... the wall is grown inwards by this much, and fills everything outside the curve
+  double margin_mm = 1.5;         // voxels reach this far above and below the leaflets; beyond that the tube is open
+  int max_cut_iterations = 4000;  // for the area of a hole
+  double cut_gap = 0.02;          // relative duality gap at which the area is accepted
 };
 
 struct Hole {
-  Vec3 place = Vec3::Zero();       // centroid of the smallest surface that closes it
-  double area_mm2 = 0;             // area of that surface, counting what a ball as wide as the threshold can touch
-  double area_error_mm2 = 0;       // duality gap of the minimum cut (numerical part of the error; voxel part: README)
-  double width_mm = 0;             // widest ball that passes through this hole
-  std::string location;            // e.g. "between A2 and P2", "anterolateral commissure", "P1"; "unnamed" without a map
-  int region = 0;                  // Region of the nearest leaflet, 0 when not known
-  double u_mm = 0;                 // u of the nearest leaflet point (0 without a map)
+  Vec3 place = Vec3::Zero();  // centroid of the smallest surface that closes it
+  double area_mm2 = 0;        // area of that surface, counting what a ball as wide as the threshold can touch
+  double area_error_mm2 = 0;  // duality gap of the minimum cut (numerical part of the error; voxel part: README)
+  double width_mm = 0;        // widest ball that passes through this hole
+  std::string location;       // e.g. "between A2 and P2", "anterolateral commissure", "P1"; "unnamed" without a map
+  int region = 0;             // Region of the nearest leaflet, 0 when not known
+  double u_mm = 0;            // u of the nearest leaflet point (0 without a map)
 };
 
 struct SealingThreshold {
-  double value_mm = 0;             // seals at every threshold above this; infinity without leaflets
-  double lower_mm = 0;             // certain: a path with this clearance (times two) was followed point by point
-  Vec3 place = Vec3::Zero();       // where the last passage closes
-  std::string location;            // its name, as for a hole
+  double value_mm = 0;        // seals at every threshold above this; infinity without leaflets
+  double lower_mm = 0;        // certain: a path with this clearance (times two) was followed point by point
+  Vec3 place = Vec3::Zero();  // where the last passage closes
+  std::string location;       // its name, as for a hole
 };
 
 struct SealResult {
-  bool sealed = false;             // smallest.value_mm < threshold_mm
-  bool certain = false;            // false: the threshold lies between smallest.lower_mm and smallest.value_mm
+  bool sealed = false;   // smallest.value_mm < threshold_mm
+  bool certain = false;  // false: the threshold lies between smallest.lower_mm and smallest.value_mm
   double threshold_mm = 0;
   SealingThreshold smallest;
-  std::vector<Hole> holes;         // empty when sealed; largest first
-  double hole_area_mm2 = 0;        // sum
+  std::vector<Hole> holes;   // empty when sealed; largest first
+  double hole_area_mm2 = 0;  // sum
   double spacing_mm = 0;
   long voxels = 0;
   double seconds = 0;

@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::size_t max_buckets = 4'000'000;
 
-/// Side of (x, y) from the line a-b: exact ties are decided as if the point stood at (x + e, y + e^2). The end points are taken in
-/// a fixed order, so that both triangles of an edge get the same rounding.
+/// Side of (x, y) from the line a-b: exact ties are decided as if the point stood at (x + e, y + e^2). The end points are taken
+/// in a fixed order, so that both triangles of an edge get the same rounding.
 int side_of_edge(const Vec3& a, const Vec3& b, double x, double y, double& value) {
   const bool swapped = b.x() < a.x() || (b.x() == a.x() && b.y() < a.y());
   const Vec3& p = swapped ? b : a;
@@ -54,8 +54,8 @@ TriangleSet::TriangleSet(std::vector<Vec3> points, std::vector<std::array<int, 3
     const Vec3& c = points_[static_cast<std::size_t>(t[2])];
     const Vec3 lo = a.cwiseMin(b).cwiseMin(c), hi = a.cwiseMax(b).cwiseMax(c);
     middles_.push_back(0.5 * (lo + hi));
-    radii_.push_back(std::sqrt(std::max({(a - middles_.back()).squaredNorm(), (b - middles_.back()).squaredNorm(),
-                                         (c - middles_.back()).squaredNorm()})));
+    radii_.push_back(std::sqrt(std::max(
+        {(a - middles_.back()).squaredNorm(), (b - middles_.back()).squaredNorm(), (c - middles_.back()).squaredNorm()})));
     const Vec3 n = (b - a).cross(c - a);
     const double length = n.norm();
     normals_.push_back(length > 0 ? Vec3(n / length) : Vec3(Vec3::Zero()));
@@ -93,8 +93,7 @@ void TriangleSet::make_buckets() {
     for (std::size_t b = 0; b < total; ++b) start[b + 1] += start[b];
     items.resize(static_cast<std::size_t>(start[total]));
     std::vector<int> next(start.begin(), start.end() - 1);
-    for (int t = 0; t < size(); ++t)
-      for_each_bucket(t, [&](std::size_t b) { items[static_cast<std::size_t>(next[b]++)] = t; });
+    for (int t = 0; t < size(); ++t) for_each_bucket(t, [&](std::size_t b) { items[static_cast<std::size_t>(next[b]++)] = t; });
   };
   const auto index = [](double x, double size, int n) { return std::clamp(static_cast<int>(x / size), 0, n - 1); };
   fill(
@@ -165,8 +164,9 @@ void TriangleSet::within(const Vec3& p, double radius, NearTriangles& out) const
   const double limit = radius * radius;
   for (int k = from[2]; k <= to[2]; ++k)
     for (int j = from[1]; j <= to[1]; ++j) {
-      const std::size_t row = (static_cast<std::size_t>(k) * static_cast<std::size_t>(buckets_[1]) + static_cast<std::size_t>(j)) *
-                              static_cast<std::size_t>(buckets_[0]);
+      const std::size_t row =
+          (static_cast<std::size_t>(k) * static_cast<std::size_t>(buckets_[1]) + static_cast<std::size_t>(j)) *
+          static_cast<std::size_t>(buckets_[0]);
       const auto begin = static_cast<std::size_t>(bucket_start_[row + static_cast<std::size_t>(from[0])]);
       const auto end = static_cast<std::size_t>(bucket_start_[row + static_cast<std::size_t>(to[0]) + 1]);
       for (std::size_t n = begin; n < end; ++n) {

@@ -83,8 +83,9 @@ double swept_volume(std::span<const Vec3> x0, std::span<const Vec3> x1, const Tr
     const Vec3 &a0 = point_of(x0, t[0]), &b0 = point_of(x0, t[1]), &c0 = point_of(x0, t[2]);
     const Vec3 &a1 = point_of(x1, t[0]), &b1 = point_of(x1, t[1]), &c1 = point_of(x1, t[2]);
     const Vec3 shift = (a1 - a0 + b1 - b0 + c1 - c0) / 3;
-    const Vec3 area = (area_vector(a0, b0, c0) + 4 * area_vector(0.5 * (a0 + a1), 0.5 * (b0 + b1), 0.5 * (c0 + c1)) +
-                       area_vector(a1, b1, c1)) / 6;
+    const Vec3 area =
+        (area_vector(a0, b0, c0) + 4 * area_vector(0.5 * (a0 + a1), 0.5 * (b0 + b1), 0.5 * (c0 + c1)) + area_vector(a1, b1, c1)) /
+        6;
     volume += area.dot(shift);
   }
   return volume;
@@ -95,7 +96,8 @@ double enclosed_volume(std::span<const Vec3> points, const Triangles& triangles)
   const Vec3 origin = point_of(points, triangles[0][0]);
   double volume = 0;
   for (const auto& t : triangles)
-    volume += (point_of(points, t[0]) - origin).dot(area_vector(point_of(points, t[0]), point_of(points, t[1]), point_of(points, t[2])));
+    volume += (point_of(points, t[0]) - origin)
+                  .dot(area_vector(point_of(points, t[0]), point_of(points, t[1]), point_of(points, t[2])));
   return volume / 3;
 }
 
@@ -108,7 +110,8 @@ std::vector<std::vector<int>> flagged_boundary_loops(const Triangles& triangles,
   for (const auto& t : triangles)
     for (std::size_t e = 0; e < 3; ++e) {
       const int a = t[e], b = t[(e + 1) % 3];
-      if (uses[std::minmax(a, b)] != 1 || !flagged[static_cast<std::size_t>(a)] || !flagged[static_cast<std::size_t>(b)]) continue;
+      if (uses[std::minmax(a, b)] != 1 || !flagged[static_cast<std::size_t>(a)] || !flagged[static_cast<std::size_t>(b)])
+        continue;
       next.emplace(a, b);
       ++arrivals[b];
     }
@@ -135,7 +138,8 @@ std::vector<std::vector<int>> flagged_boundary_loops(const Triangles& triangles,
 }
 
 double orifice_area_cm2(std::span<const Vec3> loop, std::span<const Vec3> reference_loop, const AnnulusPlane& plane) {
-  if (loop.size() != reference_loop.size()) throw InputError("orifice: the loop and its reference have different numbers of points");
+  if (loop.size() != reference_loop.size())
+    throw InputError("orifice: the loop and its reference have different numbers of points");
   std::vector<Vec2> now = project(loop, plane);
   if (now.size() < 3) return 0;
   if (seal::signed_area(project(reference_loop, plane)) < 0) std::reverse(now.begin(), now.end());

@@ -20,10 +20,10 @@ struct AnnulusPlane {
 using Triangles = std::vector<std::array<int, 3>>;
 
 struct Bulging {
-  double area_mm2 = 0;      // part of the surface above the plane (triangles are cut exactly)
-  double area_ratio = 0;    // over the whole area of the surface
-  double volume_ml = 0;     // between that part and the plane
-  double height_mm = 0;     // highest point above the plane, 0 when all lies below
+  double area_mm2 = 0;    // part of the surface above the plane (triangles are cut exactly)
+  double area_ratio = 0;  // over the whole area of the surface
+  double volume_ml = 0;   // between that part and the plane
+  double height_mm = 0;   // highest point above the plane, 0 when all lies below
 };
 
 /// Bulging of an oriented surface (the atrial faces, normals towards the atrium; papers/s2, figure 3). The volume is the integral
@@ -34,8 +34,10 @@ Bulging measure_bulging(std::span<const Vec3> points, const Triangles& triangles
 /// Volume (mm3) between an oriented surface and the annulus plane: integral of h (n . up). Negative below the plane.
 double volume_under_surface(std::span<const Vec3> points, const Triangles& triangles, const AnnulusPlane& plane);
 
-/// Volume (mm3) that an oriented surface sweeps while its points move on straight lines from x0 to x1; positive along its normals:
-///     sum over triangles of integral_0^1 a(t) . (d0 + d1 + d2) / 3 dt,   a(t) = area vector, a quadratic in t (Simpson is exact).
+/// Volume (mm3) that an oriented surface sweeps while its points move on straight lines from x0 to x1; positive along its
+/// normals:
+///     sum over triangles of integral_0^1 a(t) . (d0 + d1 + d2) / 3 dt,   a(t) = area vector, a quadratic in t (Simpson is
+///     exact).
 /// For a closed surface this is the change of the enclosed volume; an open one may end anywhere.
 double swept_volume(std::span<const Vec3> x0, std::span<const Vec3> x1, const Triangles& triangles);
 
@@ -56,8 +58,8 @@ double positively_wound_area(std::span<const Vec2> polygon);
 
 struct Coaptation {
   bool present = false;
-  double depth_mm = 0;      // from the plane down to the uppermost contact (negative: above the plane)
-  double height_mm = 0;     // from the uppermost to the lowest contact, along `up`
+  double depth_mm = 0;   // from the plane down to the uppermost contact (negative: above the plane)
+  double height_mm = 0;  // from the uppermost to the lowest contact, along `up`
 };
 
 /// Coaptation over the points in contact whose u lies in [u_from, u_to] (for example the middle third of the anterior leaflet).

@@ -93,8 +93,7 @@ void VoxelField::mark_wall(const SealInput& input, const SealOptions& options) {
       if (!outside && !leaflets_.empty()) {
         const NearestOnLoop at = nearest_on_loop(flat, p);
         ring_z = (1 - at.along) * ring[at.edge].z() + at.along * ring[(at.edge + 1) % ring.size()].z();
-        ring_column = at.distance <= options.ring_growth_mm || !polygon_contains(flat, p) ||
-                      to_wall <= options.ring_growth_mm;
+        ring_column = at.distance <= options.ring_growth_mm || !polygon_contains(flat, p) || to_wall <= options.ring_growth_mm;
       }
       for (int k = 0; k < grid_.n[2]; ++k) {
         const bool in_zone = ring_column && std::abs(grid_.centre(i, j, k).z() - ring_z) <= options.ring_zone_mm;
@@ -275,7 +274,8 @@ void VoxelField::samples(Voxel v, NearTriangles& near, Visit&& visit) const {
 float VoxelField::peak_bound(Voxel v) const {
   if (is_known_peak(v)) return peak_[static_cast<std::size_t>(v)];
   const float known = sampled_[static_cast<std::size_t>(v)];
-  return known > unknown ? known + static_cast<float>(sample_reach * grid_.h) : distance(v) + static_cast<float>(half_diagonal * grid_.h);
+  return known > unknown ? known + static_cast<float>(sample_reach * grid_.h)
+                         : distance(v) + static_cast<float>(half_diagonal * grid_.h);
 }
 
 float VoxelField::sampled(Voxel v) const {

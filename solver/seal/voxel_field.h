@@ -115,7 +115,7 @@ class VoxelField {
   std::vector<float> distance_;
   std::vector<std::uint8_t> wall_;
   std::vector<Vec2> section_;
-  std::vector<std::uint8_t> by_wall_;   // per column: the wall passes through or near it
+  std::vector<std::uint8_t> by_wall_;  // per column: the wall passes through or near it
   mutable std::vector<float> peak_, sampled_;
   mutable std::unordered_map<Voxel, Vec3> peak_places_;
   mutable NearTriangles scratch_;

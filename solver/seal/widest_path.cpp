@@ -57,8 +57,8 @@ Route search(const VoxelField& field, Bound&& bound, Value&& value) {
   return {};
 }
 
-/// Widest way from a to b over a fine lattice around two neighbouring voxels and one voxel more on each side (at the mouth of a gap the
-/// way may lead through a third voxel); empty when there is none.
+/// Widest way from a to b over a fine lattice around two neighbouring voxels and one voxel more on each side (at the mouth of a
+/// gap the way may lead through a third voxel); empty when there is none.
 std::vector<Vec3> detour(const VoxelField& field, Voxel from, Voxel to, const Vec3& a, const Vec3& b, double cap) {
   constexpr int per_voxel = 6;
   const double h = field.grid().h, step = h / per_voxel;
@@ -111,8 +111,8 @@ std::vector<Vec3> detour(const VoxelField& field, Voxel from, Voxel to, const Ve
   return way;
 }
 
-/// Smallest clearance along a line through the best points of the route's voxels. Where a straight piece dips below the bottleneck,
-/// the way from point to point is sought on a fine lattice.
+/// Smallest clearance along a line through the best points of the route's voxels. Where a straight piece dips below the
+/// bottleneck, the way from point to point is sought on a fine lattice.
 double follow(const VoxelField& field, const std::vector<Voxel>& route, double bottleneck) {
   const double h = field.grid().h, step = h / 32, cap = bottleneck + 2 * h;
   const auto walk = [&](const Vec3& a, const Vec3& b) {
@@ -158,8 +158,9 @@ Passage find_widest_passage(const VoxelField& field) {
   const float sampled = search(field, bound, sample).bottleneck;
   enough = std::min(enough, sampled + static_cast<float>(sample_reach) * h);
   const auto value = [&](Voxel v) {
-    return field.distance(v) >= enough || (field.peak_bound(v) >= enough && field.sampled(v) >= enough) ? enough
-                                                                                                        : std::min(enough, field.peak(v));
+    return field.distance(v) >= enough || (field.peak_bound(v) >= enough && field.sampled(v) >= enough)
+               ? enough
+               : std::min(enough, field.peak(v));
   };
   const Route route = search(field, bound, value);
   if (route.voxels.empty()) return out;

@@ -72,7 +72,7 @@ class Reader {
 
 template <class Archive>
 void archive_state(Archive& a, State& s) {
-  a(s.time), a(s.step), a(s.x), a(s.v), a(s.is_released);
+  a(s.time), a(s.step), a(s.x), a(s.v);
   for (auto& c : s.flow.velocity.c) a(c);
   a(s.flow.pressure);
   for (auto& c : s.flow.rate_old.c) a(c);

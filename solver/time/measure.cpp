@@ -43,7 +43,8 @@ ContactMeasure measure_contact(const Simulation& simulation, const State& state)
     const std::size_t n = static_cast<std::size_t>(s);
     if (!surface.on_atrial_face[n]) continue;
     const std::size_t node = static_cast<std::size_t>(surface.nodes[n]);
-    if (gaps.triangle[n] < 0) continue;
+    // Deeper than this the other face is seen from behind.
+    if (gaps.triangle[n] < 0 || gaps.gap[n] < -contact->options().penetration_limit) continue;
     m.gap[node] = gaps.gap[n];
     m.in_contact[node] = gaps.gap[n] < m.threshold;
     m.penalty[node] = pressure[n];

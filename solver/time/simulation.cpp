@@ -23,6 +23,8 @@ constexpr int gaps_every = 20;             // steps between two searches for fac
 constexpr int snapshot_every = 200;       // steps between two states to fall back to
 constexpr int rollbacks_allowed = 8;      // in a row
 constexpr int cap_steps = 2000;           // how long the smaller step lasts after a rollback
+// An inverted element is pushed back by the continued law and distortion control; a step fails when they become more than a few.
+constexpr double inverted_share_allowed = 2e-4;
 constexpr double largest_move = 0.25;     // of the fluid spacing (or the mesh spacing) in one step
 // Structure-only scenes: mass-proportional damping rate (1/s) that brings the closing motion to rest within a beat.
 constexpr double structural_damping_rate = 300.0;
@@ -46,7 +48,6 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)), waveform_(Wavefo
   const std::size_t unknowns = structure_->rest_positions().size();
   forces_.assign(unknowns, 0.0);
   x_before_.assign(unknowns, 0.0);
-  released_.assign(structure_->is_fixed().size(), 0);
   if (scene_.has_fluid()) {
     FluidGrid grid;
     grid.n = scene_.tube.grid_cells;
@@ -55,7 +56,7 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)), waveform_(Wavefo
     std::vector<Eigen::Vector2d> section;
     for (const Vec2& p : scene_.tube.cross_section) section.push_back(metres_per_mm * p);
     fluid_.emplace(grid, FluidBoundary(), make_tube_wall(grid, section), config.number("fluid.density"), config.number("fluid.viscosity"));
-    coupling_.emplace(Transfer(grid, fluid_->wall(), kernel_from_name(config.text("fluid.kernel"))), config.number("fluid.density"), structure_->masses());
+    coupling_.emplace(Transfer(grid, fluid_->wall(), kernel_from_name(config.text("fluid.kernel"))), config.number("fluid.density"));
     force_density_ = FaceField(grid);
     held_count_ = coupling_->set_held(structure_->rest_positions(), structure_->is_fixed());
     if (scene_.has_contact() && config.text("coupling.scheme") == "drained") {
@@ -74,7 +75,6 @@ State Simulation::initial_state() {
   State state;
   state.x = structure_->rest_positions();
   state.v.assign(state.x.size(), 0.0);
-  state.is_released = released_;
   if (fluid_) {
     state.holding.assign(3 * static_cast<std::size_t>(held_count_), 0.0);
     state.flow = fluid_->make_state();
@@ -96,7 +96,7 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
   const Config& config = scene_.config;
   const auto start = Clock::now();
   if (state.step % estimate_every == 0) {
-    if (coupling_) coupling_->bind({state.x, state.v, structure_->is_fixed(), state.is_released});
+    if (coupling_) coupling_->bind({state.x, state.v, structure_->is_fixed()});
     stable_step_->update(state, *structure_, coupling_ ? &*coupling_ : nullptr, estimate_products);
   }
   times_.step_estimate += seconds_since(start);
@@ -144,7 +144,7 @@ void Simulation::advance(State& state, double dt) {
   if (structure_->contact()) state.friction_slip = structure_->contact()->export_history();
 
   if (fluid_) {
-    const CoupledNodes nodes{state.x, state.v, structure_->is_fixed(), state.is_released};
+    const CoupledNodes nodes{state.x, state.v, structure_->is_fixed()};
     auto start = Clock::now();
     outside_ = coupling_->bind(nodes);
     force_density_.set_zero();
@@ -155,7 +155,7 @@ void Simulation::advance(State& state, double dt) {
     const FlowStepReport report = fluid_->advance(state.flow, force_density_, dt, {{{0, 0}, {0, 0}, {pressure, 0}}});
     times_.fluid += seconds_since(start);
     start = Clock::now();
-    coupling_->move(nodes, state.flow.velocity, forces_, dt);
+    coupling_->move(nodes, state.flow.velocity, dt);
     if (drainage_) {
       const std::span<double> x(state.x.data(), 3 * static_cast<std::size_t>(structure_->leaflet_nodes()));
       if (state.step % gaps_every == 0 || state.film_gaps.empty()) drainage_->find_gaps(x, state.film_gaps);
@@ -209,8 +209,14 @@ void Simulation::advance(State& state, double dt) {
 std::string Simulation::failure(const State& state, int outside) const {
   if (outside > 0) return fmt::format("{} leaflet points left the fluid box", outside);
   if (!structure_->solid().statistics().is_finite) return "the tissue's energy is not finite";
-  if (structure_->solid().statistics().inverted > 0)
-    return fmt::format("{} elements are inverted, the worst is element {}", structure_->solid().statistics().inverted, structure_->solid().statistics().J_min_element);
+  if (const SolidStatistics& solid = structure_->solid().statistics();
+      static_cast<double>(solid.inverted) > inverted_share_allowed * static_cast<double>(structure_->solid().element_count())) {
+    const auto element = static_cast<std::size_t>(solid.J_min_element);
+    const auto node = static_cast<std::size_t>(scene_.mesh.tets[element][0]);
+    const Vec2 uv = scene_.mesh.unfolded[node];
+    return fmt::format("{} elements are inverted, the worst is element {} (layer {}, at u {:.1f} mm, v {:.1f} mm of the flat pattern)", solid.inverted, element,
+                       scene_.mesh.layer[element], uv.x(), uv.y());
+  }
   const double limit = largest_move * metres_per_mm * (fluid_ ? scene_.tube.grid_spacing : 1.0);
   for (std::size_t a = 0; a < state.x.size(); ++a)
     if (!(std::abs(state.x[a] - x_before_[a]) < limit)) return fmt::format("node {} moved {:.3g} mm in one step", a / 3, 1e3 * std::abs(state.x[a] - x_before_[a]));
@@ -269,8 +275,8 @@ double Simulation::flow_backward(const State& state) const {
 
 double Simulation::kinetic_energy(const State& state) const {
   double energy = fluid_ ? fluid_->kinetic_energy(state.flow) : 0.0;
-  for (std::size_t i = 0; i < state.is_released.size(); ++i)
-    if (!fluid_ || state.is_released[i]) energy += 0.5 * (fluid_ ? coupling_->masses()[i] : structure_->masses()[i]) * Vec3::Map(state.v.data() + 3 * i).squaredNorm();
+  if (!fluid_)
+    for (std::size_t i = 0; i < structure_->masses().size(); ++i) energy += 0.5 * structure_->masses()[i] * Vec3::Map(state.v.data() + 3 * i).squaredNorm();
   return energy;
 }
 

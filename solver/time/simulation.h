@@ -69,7 +69,6 @@ class Simulation {
   std::optional<FilmDrainage> drainage_;
   std::optional<StableStep> stable_step_;
   FaceField force_density_;
-  std::vector<char> released_;
   std::vector<double> forces_;
   std::vector<double> x_before_;
   State snapshot_;

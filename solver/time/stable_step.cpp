@@ -26,7 +26,7 @@ void StableStep::update(State& state, Structure& structure, const Coupling* coup
     for (double& v : state.mode_shape) v /= norm;
     structure.stiffness_times(state.x, state.mode_shape, stiff_, shares);
     if (coupling) {
-      const CoupledNodes nodes{state.x, state.v, is_fixed, state.is_released};
+      const CoupledNodes nodes{state.x, state.v, is_fixed};
       coupling->accelerate(nodes, stiff_, scratch_, moved_);
     } else {
       for (std::size_t i = 0; i < unknowns; ++i) moved_[i] = is_fixed[i / 3] ? 0.0 : stiff_[i] / structure.masses()[i / 3];

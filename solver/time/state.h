@@ -16,7 +16,7 @@ struct EnergyLedger {
   double advection_loss = 0;     // numerical, of the advection scheme
   double friction_loss = 0;
   double damping_loss = 0;       // structural damping
-  double coupling_loss = 0;      // taken out where the annulus holds the blood at rest and where nodes are caught by the blood
+  double coupling_loss = 0;      // taken out where the annulus holds the blood at rest and where films drain
 };
 
 /// Every unknown of a run and everything that later steps depend on. Copying it is rollback; writing it is the checkpoint.
@@ -24,7 +24,6 @@ struct State {
   double time = 0;                    // s
   long step = 0;
   std::vector<double> x, v;           // node positions (m) and velocities (m/s), tube frame, xyz interleaved
-  std::vector<char> is_released;      // per node: moves on its own mass instead of with the blood
   FlowState flow;
   std::vector<double> holding;        // N, what holds the blood at rest around held nodes (Coupling::hold)
   std::vector<double> film_gaps;      // m, per leaflet node: gap to the facing leaflet at the last search (FilmDrainage)

@@ -218,7 +218,7 @@ void write_series(const fs::path& results, const SyntheticValve& valve, const Sy
       row.flow_ml_s = flow(t, options.is_sealed);
       volume += row.flow_ml_s * 5e-4;
       row.volume_ml = volume;
-      row.leak_net_ml_s = t > 0.05 ? row.flow_ml_s : nan;
+      row.leak_net_ml_s = -row.flow_ml_s;
       row.peak_velocity_m_s = 0.4 + 1.1 * std::exp(-std::pow((t - 0.036) / 0.012, 2));
       row.divergence_max = 3e-11;
       row.kinetic_J = 0.004 * std::exp(-std::pow((t - 0.036) / 0.014, 2)) + 2e-4;
@@ -257,6 +257,7 @@ void write_summary(const fs::path& results, const SyntheticValve& valve, const S
     s.set("fluid.cells", 104880);
     s.set("fluid.spacing_mm", 1.0);
     s.set("flow.closing_volume_ml", 9.8);
+    s.set("flow.closing_time_s", 0.05);
     s.set("flow.leak_volume_ml", options.is_sealed ? 0.04 : 4.9);
     s.set("flow.leak_rate_ml_s", options.is_sealed ? 0.2 : 24.1);
     s.set("flow.peak_velocity_m_s", 1.52);

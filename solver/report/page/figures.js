@@ -136,10 +136,13 @@
 
   function drawAll() {
     drawMap();
+    // before closure what passes is not a leak
+    const leak = data.closing_ms === undefined ? [] : line("leak_net_ml_s", "net leak (backward positive)", colours.green, "ml/s");
+    leak.forEach((t) => { t.y = t.y.map((q, i) => data.time_ms[i] < data.closing_ms ? null : q); });
     drawOverTime("fig-flow", [
       { title: "pressure, mmHg", traces: line("pressure_difference_mmHg", "ventricular minus atrial pressure", colours.ink, "mmHg"), share: 0.8 },
       { title: "flow, ml/s", traces: line("flow_ml_s", "flow (forward positive)", colours.blue, "ml/s"), share: 1.2 },
-      { title: "net leak, ml/s", traces: line("leak_net_ml_s", "net leak after closure", colours.green, "ml/s"), share: 0.8 },
+      { title: "net leak, ml/s", traces: leak, share: 0.8 },
       { title: "volume, ml", traces: line("volume_ml", "cumulative volume", colours.vermilion, "ml"), share: 0.8 }]);
     drawOverTime("fig-contact", [
       { title: "force, N", traces: [].concat(line("contact_force_N", "contact force", colours.ink, "N", { line: { width: 2.2 } }),

@@ -43,9 +43,10 @@ struct Crumpled {
 
 double distance(const Crumpled& c, int node, int f) {
   const auto& t = c.surface.triangles[f];
-  const auto facet = contact::make_facet(c.at(t[0]), c.at(t[1]), c.at(t[2]), 0.0);
+  const auto head = contact::make_head(c.at(t[0]), c.at(t[1]), c.at(t[2]));
+  const auto facet = contact::make_facet(c.at(t[0]), c.at(t[1]), c.at(t[2]), head.area2);
   const Vec3 d = c.at(node) - facet.a;
-  const double height = facet.n.dot(d);
+  const double height = head.n.dot(d);
   return std::sqrt(contact::project(facet, d).lateral_squared + height * height);
 }
 
@@ -78,10 +79,12 @@ TEST(CandidateSearch, closest_point_agrees_with_dense_sampling) {
   for (int trial = 0; trial < 300; ++trial) {
     std::array<Vec3, 4> p;
     for (auto& q : p) q = Vec3(u(random), u(random), u(random));
-    const auto facet = contact::make_facet(p[0], p[1], p[2], 0.0);
+    const auto head = contact::make_head(p[0], p[1], p[2]);
+    const auto facet = contact::make_facet(p[0], p[1], p[2], head.area2);
     const auto q = contact::project(facet, p[3] - p[0]);
     const Vec3 foot = p[0] + q.l1 * facet.e1 + q.l2 * facet.e2, closest = p[0] + q.b1 * facet.e1 + q.b2 * facet.e2;
-    EXPECT_NEAR(facet.n.dot(foot - p[0]), 0, 1e-12);
+    EXPECT_NEAR(head.n.dot(foot - p[3]), -head.n.dot(p[3] - p[0]), 1e-12);
+    EXPECT_NEAR((foot - p[3]).cross(head.n).norm(), 0, 1e-9);
     EXPECT_NEAR((foot - closest).squaredNorm(), q.lateral_squared, 1e-10 * (1 + (foot - closest).squaredNorm()));
     double best = std::numeric_limits<double>::infinity();
     constexpr int samples = 60;
@@ -154,8 +157,8 @@ TEST(ClosestGaps, agree_with_brute_force) {
         for (int f = 0; f < c.surface.triangle_count(); ++f) {
           if (atrial_only && (c.surface.triangle_side[f] != 1 || !c.surface.on_atrial_face[n])) continue;
           const auto& t = c.surface.triangles[f];
-          const auto facet = contact::make_facet(c.at(t[0]), c.at(t[1]), c.at(t[2]), 0.0);
-          if (facet.n.dot(normals[n]) >= facing_cosine || facet.n.dot(c.at(n) - facet.a) <= -contact.options().penetration_limit) continue;
+          const auto head = contact::make_head(c.at(t[0]), c.at(t[1]), c.at(t[2]));
+          if (head.n.dot(normals[n]) >= facing_cosine || head.n.dot(c.at(n) - head.centre) <= -contact.options().penetration_limit) continue;
           if (!rule.is_excluded(n, f)) best = std::min(best, distance(c, n, f));
         }
         if (best < reach) {

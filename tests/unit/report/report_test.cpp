@@ -77,7 +77,7 @@ TEST_F(Report, holes_are_told_by_place_and_area) {
   EXPECT_TRUE(has(page, "seal only at a threshold above 2.9 mm"));
   EXPECT_TRUE(has(page, "The contact belt is interrupted: anterior leaflet, u 14.2 to 21.6 mm"));
   // a hole between two leaflets is drawn on both
-  const Json figures = figure_data(read_results(results_), std::nullopt);
+  const Json figures = figure_data(read_results(results_), std::nullopt, 1);
   ASSERT_EQ(figures["holes"][0]["u"].size(), 2u);
   EXPECT_NEAR(figures["holes"][0]["u"][0].get<double>(), 36 + 71.2 / 2, 3);
   EXPECT_NEAR(figures["holes"][0]["u"][1].get<double>(), 18, 3);

@@ -32,12 +32,14 @@ TEST(Holes, round_hole_has_its_area_and_place) {
 }
 
 TEST(Holes, round_hole_in_a_tilted_plate) {
-  // Shear along z: the hole's own area is its plan times the lengthening, but the least closing surface is between the two.
   for (double degrees : {20.0, 40.0}) {
     const double slope = std::tan(degrees * pi / 180);
-    const auto map = [=](const Vec3& p) { return Vec3(p.x() * std::cos(degrees * pi / 180) - p.z() * std::sin(degrees * pi / 180), p.y(),
-                                                     p.x() * std::sin(degrees * pi / 180) + p.z() * std::cos(degrees * pi / 180)); };
-    const SealResult r = find_seal(in_tube(ring_plate(2, 22, 1.0, {0.4, 0.3}, map), circle(15), [=](const Vec2& p) { return slope * p.x(); }), 0.5);
+    const auto map = [=](const Vec3& p) {
+      return Vec3(p.x() * std::cos(degrees * pi / 180) - p.z() * std::sin(degrees * pi / 180), p.y(),
+                  p.x() * std::sin(degrees * pi / 180) + p.z() * std::cos(degrees * pi / 180));
+    };
+    const SealResult r = find_seal(
+        in_tube(ring_plate(2, 22, 1.0, {0.4, 0.3}, map), circle(15), [=](const Vec2& p) { return slope * p.x(); }), 0.5);
     ASSERT_EQ(r.holes.size(), 1u);
     expect_area(r.hole_area_mm2, 4 * pi, 0.1);
     EXPECT_NEAR(r.smallest.value_mm, 4.0, 0.06);
@@ -58,7 +60,8 @@ TEST(Holes, slit_of_known_width) {
         const std::vector<double> x{-10.5, -0.5 * width, 0.5 * width, 10.5};
         return Vec2(x[static_cast<std::size_t>(i)] + shift, 0.5 * (j - 21));
       };
-      const Solid plate = extrude(3, 42, false, xy, [](int i, int j) { return i != 1 || j < 13 || j >= 29; }, 1.0);
+      const Solid plate = extrude(
+          3, 42, false, xy, [](int i, int j) { return i != 1 || j < 13 || j >= 29; }, 1.0);
       const SealResult r = find_seal(in_tube(plate, rectangle(20, 20)), 0.2);
       ASSERT_EQ(r.holes.size(), 1u) << width;
       EXPECT_NEAR(r.smallest.value_mm, width, 0.03);
@@ -69,8 +72,8 @@ TEST(Holes, slit_of_known_width) {
 
 TEST(Holes, two_holes_are_two_with_their_own_areas) {
   const auto keep = [](int i, int j) {
-    const bool first = i >= 10 && i < 14 && j >= 8 && j < 12;    // 2 x 2 mm
-    const bool second = i >= 15 && i < 21 && j >= 8 && j < 14;   // 3 x 3 mm, half a millimetre further
+    const bool first = i >= 10 && i < 14 && j >= 8 && j < 12;   // 2 x 2 mm
+    const bool second = i >= 15 && i < 21 && j >= 8 && j < 14;  // 3 x 3 mm, half a millimetre further
     return !first && !second;
   };
   const SealResult r = find_seal(in_tube(cell_plate(42, 42, 0.5, keep, 1.0), rectangle(20, 20)), 0.4);
@@ -84,7 +87,9 @@ TEST(Holes, two_holes_are_two_with_their_own_areas) {
 }
 
 TEST(Holes, only_holes_as_wide_as_the_threshold_count) {
-  const auto keep = [](int i, int j) { return !(i >= 8 && i < 10 && j >= 20 && j < 22) && !(i >= 24 && i < 28 && j >= 20 && j < 24); };
+  const auto keep = [](int i, int j) {
+    return !(i >= 8 && i < 10 && j >= 20 && j < 22) && !(i >= 24 && i < 28 && j >= 20 && j < 24);
+  };
   const SealInput in = in_tube(cell_plate(42, 42, 0.5, keep, 1.0), rectangle(20, 20));  // 1 x 1 and 2 x 2 mm
   EXPECT_EQ(find_seal(in, 0.9).holes.size(), 2u);
   EXPECT_EQ(find_seal(in, 1.2).holes.size(), 1u);
@@ -93,8 +98,10 @@ TEST(Holes, only_holes_as_wide_as_the_threshold_count) {
 
 TEST(Holes, curved_gap_between_plug_and_ring) {
   for (double gap : {0.3, 0.8}) {
-    Solid s = ring_plate(6 + gap, 15.2, 5.0, {0, 0}, [](const Vec3& p) { return p; }, 12, 240);
-    s.add(ring_plate(0, 6, 5.0, {0, 0}, [](const Vec3& p) { return p; }, 12, 240));
+    Solid s = ring_plate(
+        6 + gap, 15.2, 5.0, {0, 0}, [](const Vec3& p) { return p; }, 12, 240);
+    s.add(ring_plate(
+        0, 6, 5.0, {0, 0}, [](const Vec3& p) { return p; }, 12, 240));
     const SealResult r = find_seal(in_tube(s, circle(15)), 0.2);
     ASSERT_EQ(r.holes.size(), 1u) << gap;
     EXPECT_NEAR(r.smallest.value_mm, gap, 0.04);
@@ -134,7 +141,8 @@ TEST(Holes, open_funnel_has_the_area_of_its_mouth) {
     const double r = 15.2 - 5.2 * s + p.z();
     return Vec3(r * std::cos(a), r * std::sin(a), -p.x());
   };
-  const Solid s = extrude(24, 96, true, [](int i, int j) { return Vec2(0.5 * i, 2 * pi * j / 96); }, [](int, int) { return true; }, 1.0, skirt);
+  const Solid s = extrude(
+      24, 96, true, [](int i, int j) { return Vec2(0.5 * i, 2 * pi * j / 96); }, [](int, int) { return true; }, 1.0, skirt);
   const SealResult r = find_seal(in_tube(s, circle(15)), 1.0);
   EXPECT_FALSE(r.sealed);
   ASSERT_EQ(r.holes.size(), 1u);
@@ -144,7 +152,8 @@ TEST(Holes, open_funnel_has_the_area_of_its_mouth) {
 }
 
 TEST(Holes, names_follow_the_map_and_the_anterolateral_side) {
-  // Disc with the anterior leaflet at y > 2; u runs along x: posterior 0..57, anterior 57..87, both against x. Anterolateral is +x.
+  // Disc with the anterior leaflet at y > 2; u runs along x: posterior 0..57, anterior 57..87, both against x. Anterolateral is
+  // +x.
   const auto named = [](const Vec2& hole) {
     SealInput in = in_tube(ring_plate(0.8, 15.2, 1.0, hole), circle(15));
     for (const Vec3& p : in.points) {
@@ -186,8 +195,8 @@ TEST(Holes, valve_sized_tube_stays_within_time_and_memory) {
     EXPECT_EQ(r.sealed, !hole);
     EXPECT_GT(r.voxels, 2'000'000);
     EXPECT_LT(cpu, 20);
-    std::printf("%ld voxels, %zu triangles, hole %d: %.2f s of processor, %.2f s, %zu holes\n", r.voxels, solid.triangles.size(), hole, cpu,
-                r.seconds, r.holes.size());
+    std::printf("%ld voxels, %zu triangles, hole %d: %.2f s of processor, %.2f s, %zu holes\n", r.voxels, solid.triangles.size(),
+                hole, cpu, r.seconds, r.holes.size());
   }
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);

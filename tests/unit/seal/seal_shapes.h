@@ -28,8 +28,9 @@ struct Solid {
 };
 
 /// Plate of quadrilateral cells (i, j) from z = -thickness/2 to +thickness/2; cells not kept are holes.
-inline Solid extrude(int ni, int nj, bool periodic_j, const Map2& xy, const std::function<bool(int, int)>& keep, double thickness,
-                     const Map3& map = [](const Vec3& p) { return p; }) {
+inline Solid extrude(
+    int ni, int nj, bool periodic_j, const Map2& xy, const std::function<bool(int, int)>& keep, double thickness,
+    const Map3& map = [](const Vec3& p) { return p; }) {
   Solid s;
   const int rows = periodic_j ? nj : nj + 1;
   for (int side = 0; side < 2; ++side)
@@ -61,26 +62,31 @@ inline Solid extrude(int ni, int nj, bool periodic_j, const Map2& xy, const std:
 }
 
 /// Ring plate around `centre` between radii r0 (0: a full disc) and r1, r1 measured from the origin.
-inline Solid ring_plate(double r0, double r1, double thickness, const Vec2& centre = Vec2::Zero(), const Map3& map = [](const Vec3& p) { return p; },
-                        int rings = 10, int sectors = 72) {
+inline Solid ring_plate(
+    double r0, double r1, double thickness, const Vec2& centre = Vec2::Zero(), const Map3& map = [](const Vec3& p) { return p; },
+    int rings = 10, int sectors = 72) {
   const auto xy = [=](int i, int j) {
     const double a = 2 * std::numbers::pi * j / sectors, s = static_cast<double>(i) / rings;
     const Vec2 e(std::cos(a), std::sin(a));
     const Vec2 inner = centre + r0 * e, outer = r1 * e;
     return Vec2((1 - s) * inner + s * outer);
   };
-  return extrude(rings, sectors, true, xy, [](int, int) { return true; }, thickness, map);
+  return extrude(
+      rings, sectors, true, xy, [](int, int) { return true; }, thickness, map);
 }
 
 /// Rectangular plate of squares with side `cell`, centred at the origin.
-inline Solid cell_plate(int ni, int nj, double cell, const std::function<bool(int, int)>& keep, double thickness,
-                        const Map3& map = [](const Vec3& p) { return p; }) {
-  return extrude(ni, nj, false, [=](int i, int j) { return Vec2(cell * (i - 0.5 * ni), cell * (j - 0.5 * nj)); }, keep, thickness, map);
+inline Solid cell_plate(
+    int ni, int nj, double cell, const std::function<bool(int, int)>& keep, double thickness,
+    const Map3& map = [](const Vec3& p) { return p; }) {
+  return extrude(
+      ni, nj, false, [=](int i, int j) { return Vec2(cell * (i - 0.5 * ni), cell * (j - 0.5 * nj)); }, keep, thickness, map);
 }
 
 inline std::vector<Vec2> circle(double r, int n = 120) {
   std::vector<Vec2> out;
-  for (int i = 0; i < n; ++i) out.emplace_back(r * std::cos(2 * std::numbers::pi * i / n), r * std::sin(2 * std::numbers::pi * i / n));
+  for (int i = 0; i < n; ++i)
+    out.emplace_back(r * std::cos(2 * std::numbers::pi * i / n), r * std::sin(2 * std::numbers::pi * i / n));
   return out;
 }
 
@@ -89,8 +95,9 @@ inline std::vector<Vec2> rectangle(double a, double b) {
 }
 
 /// The solid in a tube whose axis is z; the annulus lies on the wall at height z_annulus(x, y).
-inline SealInput in_tube(const Solid& solid, const std::vector<Vec2>& section,
-                         const std::function<double(const Vec2&)>& z_annulus = [](const Vec2&) { return 0.0; }) {
+inline SealInput in_tube(
+    const Solid& solid, const std::vector<Vec2>& section,
+    const std::function<double(const Vec2&)>& z_annulus = [](const Vec2&) { return 0.0; }) {
   SealInput in;
   in.points = solid.points;
   in.triangles = solid.triangles;
@@ -105,8 +112,8 @@ inline SealInput in_tube(const Solid& solid, const std::vector<Vec2>& section,
   return in;
 }
 
-/// Two leaflets that reach from the walls at x = -10 and x = +10 to the middle and hang down there, `gap` apart; `slope` leans the
-/// coaptation over, which narrows the gap to gap * cos(angle).
+/// Two leaflets that reach from the walls at x = -10 and x = +10 to the middle and hang down there, `gap` apart; `slope` leans
+/// the coaptation over, which narrows the gap to gap * cos(angle).
 inline SealInput two_leaflets(double gap, double slope = 0, double offset = 0) {
   const double thickness = 1, depth = 6;
   Solid s;
@@ -118,11 +125,12 @@ inline SealInput two_leaflets(double gap, double slope = 0, double offset = 0) {
       const double z = across ? (i == 1 ? 0.0 : -depth) : (i == 1 ? -thickness : -depth);
       return Vec2(across ? inner : outer, z);
     };
-    const Solid leaf = extrude(2, 44, false, [](int i, int j) { return Vec2(i, 0.5 * (j - 22)); }, [](int, int) { return true; }, 1.0,
-                         [&](const Vec3& p) {
-                           const Vec2 q = xz(static_cast<int>(std::lround(p.x())), p.z() > 0 ? 1 : 0);
-                           return Vec3(side * q.x() + slope * q.y() + offset, p.y(), q.y());
-                         });
+    const Solid leaf = extrude(
+        2, 44, false, [](int i, int j) { return Vec2(i, 0.5 * (j - 22)); }, [](int, int) { return true; }, 1.0,
+        [&](const Vec3& p) {
+          const Vec2 q = xz(static_cast<int>(std::lround(p.x())), p.z() > 0 ? 1 : 0);
+          return Vec3(side * q.x() + slope * q.y() + offset, p.y(), q.y());
+        });
     s.add(leaf);
   }
   // The mirrored leaflet is inside out; turn it.

@@ -122,7 +122,8 @@ TEST(Seal, hole_next_to_the_ring_is_still_seen) {
 TEST(Seal, thin_walls_down_to_the_stated_limit_do_not_leak) {
   for (double degrees : {0.0, 45.0})
     for (double shift : {0.0, 0.1}) {
-      const double thickness = 0.6 * std::hypot(1.0, std::tan(degrees * pi / 180) * std::hypot(1.0, 0.3));  // sheared plate: 0.6 along its normal
+      const double thickness =
+          0.6 * std::hypot(1.0, std::tan(degrees * pi / 180) * std::hypot(1.0, 0.3));  // sheared plate: 0.6 along its normal
       const Solid disc = ring_plate(0, 10.2, thickness, {0, 0}, tilt(degrees, {0, 0, shift}));
       EXPECT_TRUE(find_seal(in_tube(disc, circle(10), tilted_annulus(degrees, shift)), 0.05).sealed) << degrees;
     }

@@ -67,7 +67,7 @@ TEST(Bulging, nothing_above_the_plane) {
 TEST(Bulging, one_triangle_is_cut_exactly) {
   const std::vector<Vec3> p{{0, 0, -1}, {2, 0, -1}, {0, 0, 1}};
   const Bulging b = measure_bulging(p, {{0, 1, 2}}, {Vec3::Zero(), Vec3::UnitZ()});
-  EXPECT_NEAR(b.area_mm2, 0.5, 1e-14);   // half the base and half the height of an area of 2
+  EXPECT_NEAR(b.area_mm2, 0.5, 1e-14);  // half the base and half the height of an area of 2
   EXPECT_NEAR(b.area_ratio, 0.25, 1e-14);
 }
 
