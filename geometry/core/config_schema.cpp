@@ -122,6 +122,7 @@ const Row rows[] = {
     {"contact.search_every", "integer", "0", "0 .. 1000", "steps between two searches for candidates; 0: when the leaflets have moved far enough"},
 
     {"coupling.scheme", "choice interpolation|drained", "drained", "", "how leaflets and blood are coupled (solver/README.md)"},
+    {"coupling.relaxation", "flag", "true", "", "relax distortion shorter than the kernel, which the blood does not see"},
     {"coupling.drainage_time", "time", "5 ms", "0.01 ms ..", "drained: time in which a blood film as thick as a fluid cell drains between facing leaflets under the peak pressure"},
 
     {"pressure.waveform", "choice systolic|ramp|csv", "systolic", "", "ventricular minus atrial pressure: rise and hold, straight ramp and hold, or a file"},

@@ -11,6 +11,10 @@ namespace {
 // Shares of the stability limits k dt^2 < 4 / mobility and c dt < 2 / mobility that the holding springs and dampers use.
 constexpr double hold_stiffness = 0.2;
 constexpr double hold_damping = 0.2;
+// kappa of relax().
+constexpr double relaxation = 0.1;
+// Nodes in corners of the wall, where almost nothing is spread, do not relax.
+constexpr double smallest_volume_share = 0.05;
 }  // namespace
 
 Coupling::Coupling(Transfer transfer, double fluid_density) : transfer_(std::move(transfer)), density_(fluid_density) {}
@@ -42,6 +46,36 @@ int Coupling::set_held(std::span<const double> x, std::span<const char> is_fixed
     for (std::size_t a = 0; a < held_force_.size(); ++a) held_force_[a] = held_velocity_[a] / norm;
   }
   return static_cast<int>(held_.size());
+}
+
+void Coupling::set_volumes(std::vector<double> volumes) {
+  volumes_ = std::move(volumes);
+  volume_vectors_.resize(3 * volumes_.size());
+  for (std::size_t a = 0; a < volume_vectors_.size(); ++a) volume_vectors_[a] = volumes_[a / 3];
+  mean_force_.assign(volume_vectors_.size(), 0.0);
+  mean_volume_.assign(volume_vectors_.size(), 0.0);
+  volume_density_ = FaceField(transfer_.grid());
+}
+
+double Coupling::relax(const CoupledNodes& nodes, std::span<const double> forces, const FaceField& force_density, std::span<const double> critical_steps,
+                       double solid_density) {
+  transfer_.interpolate(force_density, mean_force_);
+  volume_density_.set_zero();
+  transfer_.spread(volume_vectors_, volume_density_);
+  transfer_.interpolate(volume_density_, mean_volume_);
+  double lost = 0;
+  for (int i : active_) {
+    const std::size_t node = static_cast<std::size_t>(i);
+    if (!(volumes_[node] > 0)) continue;
+    const double factor = relaxation * critical_steps[node] * critical_steps[node] / solid_density;
+    for (std::size_t a = 3 * node; a < 3 * node + 3; ++a) {
+      if (!(mean_volume_[a] > smallest_volume_share)) continue;
+      const double shift = factor * (forces[a] / volumes_[node] - mean_force_[a] / mean_volume_[a]);
+      nodes.x[a] += shift;
+      lost += forces[a] * shift;
+    }
+  }
+  return lost;
 }
 
 double Coupling::hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density) {

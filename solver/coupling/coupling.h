@@ -32,6 +32,18 @@ class Coupling {
   /// Adds the forces (N) of nodes that move with the blood to the force density (N/m3).
   void hand_over(std::span<const double> forces, FaceField& force_density) const { transfer_.spread(forces, force_density); }
 
+  /// Relaxes what the kernel cannot see. Interpolation filters out motion shorter than the kernel, so distortion on that scale (left by
+  /// contact, slip and round-off of large motions) would never be undone by the tissue's own stiffness. Each moving node slips by
+  ///   dx = kappa tau^2 / rho_s  (F / V - <F> / <V>) ,
+  /// F and V its force and volume, <.> spread and interpolated back: only the part of the force density that the blood does not see acts, so a
+  /// pressure carried smoothly does not press the leaflet through the blood. tau is the node's own critical step (s), which makes it a damped
+  /// Jacobi iteration, stable for kappa < 1/2. Call after hand_over() and before anything else is spread. Returns the energy lost (J).
+  double relax(const CoupledNodes& nodes, std::span<const double> forces, const FaceField& force_density, std::span<const double> critical_steps,
+               double solid_density);
+
+  /// Volumes (m3) of the nodes, for relax(); nodes without volume do not relax.
+  void set_volumes(std::vector<double> volumes);
+
   /// Nodes held by the annulus keep the blood at rest around them, by integral and proportional control on the blood's velocity U there:
   ///   F = I - c U,  dI/dt = -k U,
   /// with k and c as stiff as the step allows: shares of the limits k dt^2 < 4 / mobility and c dt < 2 / mobility, the mobility of the held
@@ -50,6 +62,8 @@ class Coupling {
   Transfer transfer_;
   double density_;
   std::vector<double> midpoint_;
+  std::vector<double> volumes_, volume_vectors_, mean_force_, mean_volume_;
+  FaceField volume_density_;
   std::vector<int> active_;
   std::unique_ptr<Transfer> held_transfer_;
   std::vector<int> held_;             // nodes

@@ -58,6 +58,9 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)), waveform_(Wavefo
     fluid_.emplace(grid, FluidBoundary(), make_tube_wall(grid, section), config.number("fluid.density"), config.number("fluid.viscosity"));
     coupling_.emplace(Transfer(grid, fluid_->wall(), kernel_from_name(config.text("fluid.kernel"))), config.number("fluid.density"));
     force_density_ = FaceField(grid);
+    std::vector<double> volumes = structure_->solid().node_volumes();
+    volumes.resize(structure_->is_fixed().size(), 0.0);
+    coupling_->set_volumes(std::move(volumes));
     held_count_ = coupling_->set_held(structure_->rest_positions(), structure_->is_fixed());
     if (scene_.has_contact() && config.text("coupling.scheme") == "drained") {
       FilmDrainageOptions options;
@@ -98,6 +101,7 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
   if (state.step % estimate_every == 0) {
     if (coupling_) coupling_->bind({state.x, state.v, structure_->is_fixed()});
     stable_step_->update(state, *structure_, coupling_ ? &*coupling_ : nullptr, estimate_products);
+    if (coupling_ && scene_.config.flag("coupling.relaxation")) update_relaxation(state);
   }
   times_.step_estimate += seconds_since(start);
   double dt = config.number("time.step_max");
@@ -136,6 +140,21 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
   return dt;
 }
 
+void Simulation::update_relaxation(State& state) {
+  LeafletSolid& solid = structure_->solid();
+  element_steps_.resize(static_cast<std::size_t>(solid.element_count()));
+  solid.critical_step(std::span<const double>(state.x.data(), 3 * static_cast<std::size_t>(structure_->leaflet_nodes())), element_steps_);
+  state.relax_steps.assign(structure_->is_fixed().size(), 1e300);
+  const auto& mesh = solid.mesh();
+  for (std::size_t e = 0; e < element_steps_.size(); ++e)
+    for (int n = 0; n < mesh.nodes_per_tet; ++n) {
+      double& step = state.relax_steps[static_cast<std::size_t>(mesh.tets[e * static_cast<std::size_t>(mesh.nodes_per_tet) + static_cast<std::size_t>(n)])];
+      step = std::min(step, element_steps_[e]);
+    }
+  for (double& step : state.relax_steps)
+    if (step > 1e200) step = 0;
+}
+
 void Simulation::advance(State& state, double dt) {
   const double pressure = waveform_.at(state.time + dt);
   x_before_ = state.x;
@@ -149,6 +168,8 @@ void Simulation::advance(State& state, double dt) {
     outside_ = coupling_->bind(nodes);
     force_density_.set_zero();
     coupling_->hand_over(forces_, force_density_);
+    if (!state.relax_steps.empty())
+      state.ledger.coupling_loss += coupling_->relax(nodes, forces_, force_density_, state.relax_steps, scene_.config.number("leaflet.density"));
     state.ledger.coupling_loss -= coupling_->hold(state.holding, state.flow.velocity, dt, force_density_);
     times_.coupling += seconds_since(start);
     start = Clock::now();

@@ -58,6 +58,7 @@ class Simulation {
 
  private:
   void advance(State& state, double dt);
+  void update_relaxation(State& state);
   double choose_step(State& state, double stop_time, std::string& limiter);
   std::string failure(const State& state, int outside) const;
 
@@ -71,6 +72,7 @@ class Simulation {
   FaceField force_density_;
   std::vector<double> forces_;
   std::vector<double> x_before_;
+  std::vector<double> element_steps_;
   State snapshot_;
   bool has_snapshot_ = false;
   int outside_ = 0, held_count_ = 0;

@@ -23,6 +23,12 @@ load() {
 check() {
   load "$1" || { echo "FAILED: $1: Chromium ended with an error or took too long" >&2; tail -5 "$work/log.txt" >&2; failures=$((failures + 1)); return; }
   local found count
+  # on a busy machine Chromium's virtual time may run out before the page's script has had its turn: that alone is tried again
+  for attempt in 2 3; do
+    grep -q '<body[^>]*data-figures=' "$work/dom.html" && break
+    echo "note: $1: the page had not finished, attempt $attempt" >&2
+    load "$1"
+  done
   found=$(grep -o '<body[^>]*data-figures="[^"]*"' "$work/dom.html" | sed 's/.*data-figures="//; s/"$//')
   count=$(grep -o '<body[^>]*data-count="[^"]*"' "$work/dom.html" | sed 's/.*data-count="//; s/"$//')
   if grep -q 'CONSOLE' "$work/log.txt"; then

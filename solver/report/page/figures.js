@@ -189,5 +189,6 @@
   } catch (e) {
     errors.push(String(e));
   }
-  Promise.all(drawn.map((d) => d.ready).concat([...document.images].map((i) => i.decode().catch(() => {})))).then(check, (e) => { errors.push(String(e)); check(); });
+  const loaded = new Promise((done) => document.readyState === "complete" ? done() : window.addEventListener("load", done));
+  Promise.all(drawn.map((d) => d.ready).concat([loaded])).then(check, (e) => { errors.push(String(e)); check(); });
 })();
