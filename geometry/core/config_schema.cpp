@@ -111,7 +111,7 @@ const Row rows[] = {
     {"leaflet.bulk", "pressure", "1 MPa", "0 Pa ..", "volumetric stiffness (see solver/solid)"},
     {"leaflet.density", "density", "1060 kg/m3", "1 kg/m3 .. 20000 kg/m3", "density of the leaflets"},
     {"leaflet.damping", "viscosity", "0 Pa s", "0 Pa s ..", "viscosity of the tissue (Kelvin-Voigt)"},
-    {"leaflet.distortion_strain", "number", "0.6", "0.01 .. 0.99", "strain beyond which an element stiffens (distortion control)"},
+    {"leaflet.distortion_strain", "number", "0.9", "0.01 .. 0.99", "strain beyond which an element stiffens (distortion control)"},
     {"leaflet.distortion_factor", "number", "4", "0 .. 1e6", "how many times stiffer a distorted element becomes; 0 switches the control off"},
 
     {"contact.enabled", "flag", "true", "", "contact between the leaflets"},

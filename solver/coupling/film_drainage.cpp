@@ -112,7 +112,7 @@ double FilmDrainage::slip(std::span<double> x, std::span<double> v, std::span<co
     double fade = std::clamp((options_.reach_end - gap / grid_.h) / (options_.reach_end - options_.reach_full), 0.0, 1.0);
     if (drive > 0) {
       // Nothing is left to drain where the faces touch, and a pressure above the ventricle's is not a film's but that of crushed tissue.
-      fade *= std::clamp(2.0 * gap / touching, 0.0, 1.0) * std::clamp(2.0 - film / pressure_difference, 0.0, 1.0);
+      fade *= std::clamp(2.0 * gap / touching, 0.0, 1.0) * std::clamp(2.0 - film / std::max(pressure_difference, 0.01 * options_.pressure_scale), 0.0, 1.0);
     }
     slip_[s] = speed * fade * drive * normals_[s];
   });

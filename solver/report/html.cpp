@@ -33,7 +33,7 @@ std::string gate_table(const Json& gates) {
         const bool is_blank = std::all_of(gates.begin(), gates.end(), [&key = key](const Json& g) { return !g.contains(key) || g[key].is_null() || g[key] == -1; });
         if (!is_blank) more.push_back(key);
       }
-  const auto cell = [](const Json& gate, const char* key) { return gate.contains(key) ? value(gate[key]) : std::string(); };
+  const auto cell = [](const Json& gate, const char* key) { return gate.contains(key) ? value(gate[key], 4) : std::string(); };
   std::vector<std::vector<std::string>> rows{{"", "gate", "value", "required"}};
   for (const std::string& key : more) rows[0].push_back(escape(spaced(key)));
   rows[0].push_back("what was found");
@@ -77,19 +77,21 @@ std::string escape(std::string_view text) {
   return out;
 }
 
-std::string number(double value) {
+std::string number(double value, int digits) {
   if (!std::isfinite(value)) return "–";
+  if (value == 0) return "0";
+  const double size = std::abs(value);
+  const bool is_whole = value == std::round(value) || size >= std::pow(10.0, digits - 1);
   char text[48];
-  if (value == std::round(value) && std::abs(value) < 1e9) std::snprintf(text, sizeof text, "%.0f", value + 0.0);
-  else if (std::abs(value) >= 1e4 && std::abs(value) < 1e9) std::snprintf(text, sizeof text, "%.0f", value);
-  else std::snprintf(text, sizeof text, "%.4g", value);
+  if (is_whole && size < 1e9) std::snprintf(text, sizeof text, "%.0f", value);
+  else std::snprintf(text, sizeof text, "%.*g", digits, value);
   return text;
 }
 
-std::string value(const Json& json) {
+std::string value(const Json& json, int digits) {
   if (json.is_null()) return "–";
   if (json.is_boolean()) return json.get<bool>() ? "yes" : "no";
-  if (json.is_number()) return number(json.get<double>());
+  if (json.is_number()) return number(json.get<double>(), digits);
   if (json.is_string()) {
     std::string text = json.get<std::string>(), out;
     while (text.ends_with('\n')) text.pop_back();
@@ -98,7 +100,7 @@ std::string value(const Json& json) {
   }
   if (json.is_array() && !is_list_of_objects(json)) {
     std::string out;
-    for (const Json& item : json) out += (out.empty() ? "" : ", ") + value(item);
+    for (const Json& item : json) out += (out.empty() ? "" : ", ") + value(item, digits);
     return out.empty() ? "none" : out;
   }
   return "<code>" + escape(json.dump()) + "</code>";
@@ -125,7 +127,7 @@ std::string table_of_leaves(const Json& json) {
   std::string out = "<div class=\"scroll\"><table>\n";
   for (const auto& [name, leaf] : flatten(json)) {
     const bool is_hash = leaf.is_string() && leaf.get<std::string>().size() >= 40;
-    out += "<tr><td>" + escape(name) + "</td><td" + (is_hash ? " class=\"hash\"><code>" + value(leaf) + "</code>" : ">" + value(leaf)) + "</td></tr>\n";
+    out += "<tr><td>" + escape(name) + "</td><td" + (is_hash ? " class=\"hash\"><code>" + value(leaf) + "</code>" : ">" + value(leaf, exact)) + "</td></tr>\n";
   }
   return out + "</table></div>\n";
 }

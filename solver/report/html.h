@@ -12,11 +12,14 @@ namespace mv::html {
 /// Text with & < > " replaced, fit for content and attributes.
 std::string escape(std::string_view text);
 
-/// Four significant digits, thousands kept whole ("104880"), "–" for what is not finite.
-std::string number(double value);
+/// Significant digits for reading at a glance, and for tables.
+inline constexpr int glance = 3, exact = 6;
+
+/// Whole numbers and what stands before the point in full, else `digits` significant digits; "–" for what is not finite.
+std::string number(double value, int digits = glance);
 
 /// Number, text, yes/no, or a list of them; "–" for null.
-std::string value(const Json& json);
+std::string value(const Json& json, int digits = glance);
 
 /// Table of rows of cells that are HTML already; the first row is the head when `has_head`.
 std::string table(const std::vector<std::vector<std::string>>& rows, bool has_head);

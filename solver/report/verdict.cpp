@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/report/verdict.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "solver/report/html.h"
@@ -48,13 +49,20 @@ std::string describe_hole(const Json& hole) {
   return text + ")";
 }
 
+/// Each interruption, or their number and the widest when they are many.
 std::string describe_interruptions(const Json& list) {
+  constexpr std::size_t most_told = 3;
+  if (!list.is_array() || list.empty()) return "";
+  const auto width = [](const Json& gap) { return gap.is_object() && gap.contains("width_mm") && gap["width_mm"].is_number() ? gap["width_mm"].get<double>() : 0.0; };
+  const auto tell = [](const Json& gap) {
+    return html::escape(text_at(gap, "leaflet")) + " leaflet, u " + html::value(gap.value("u_from_mm", Json())) + " to " + html::value(gap.value("u_to_mm", Json())) + " mm";
+  };
+  if (list.size() > most_told) {
+    const auto widest = std::max_element(list.begin(), list.end(), [&](const Json& a, const Json& b) { return width(a) < width(b); });
+    return " in " + std::to_string(list.size()) + " places, the widest: " + tell(*widest);
+  }
   std::string text;
-  if (list.is_array())
-    for (const Json& gap : list) {
-      if (!gap.is_object() || !gap.contains("u_from_mm") || !gap.contains("u_to_mm")) continue;
-      text += (text.empty() ? ": " : "; ") + html::escape(text_at(gap, "leaflet")) + " leaflet, u " + html::value(gap["u_from_mm"]) + " to " + html::value(gap["u_to_mm"]) + " mm";
-    }
+  for (const Json& gap : list) text += (text.empty() ? ": " : "; ") + tell(gap);
   return text;
 }
 

@@ -5,6 +5,8 @@
 
 #include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
+#include "geometry/core/log.h"
+#include "solver/output/summary.h"
 
 namespace mv {
 
@@ -20,6 +22,12 @@ Scene load_scene(const std::filesystem::path& directory, const std::vector<std::
   scene.tube = read_tube(directory / "tube.vtu");
   scene.papillary = read_papillary(directory / "papillary.vtp");
   if (scene.config.text("chordae.model") != "none") scene.chordae = read_chordae(directory / "chordae.vtp");
+  const auto quality = directory / "quality.json";
+  if (!std::filesystem::exists(quality)) {
+    spdlog::warn("{}: missing, so the case's gates are not known to have passed; 'mvprep check {}' makes it", quality.string(), directory.string());
+  } else if (const Json& passed = json_at(read_json(quality), "passed"); passed.is_boolean() && !passed.get<bool>()) {
+    throw InputError(fmt::format("{}: the case failed its gates; see there which, mend the configuration and run mvprep again", quality.string()));
+  }
   const int points = static_cast<int>(scene.mesh.points.size());
   for (const Insertion& i : scene.chordae.insertions)
     if (i.node < 0 || i.node >= points)

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "geometry/core/errors.h"
+#include "geometry/core/log.h"
 #include "solver/output/contact_map.h"
 
 namespace mv {
@@ -63,6 +64,8 @@ Structure::Structure(const Scene& scene, double largest_pressure) : has_fluid_(s
   for (std::size_t i = 0; i < mesh.points.size(); ++i) Vec3::Map(solid.points.data() + 3 * i) = to_solver(mesh.points[i]);
   for (std::size_t e = 0; e < mesh.tets.size(); ++e) Vec3::Map(solid.fibres.data() + 3 * e) = scene.tube.axes * mesh.fibre[e];
   rest_ = solid.points;
+  for (const char* leaflet : {"anterior", "posterior"})
+    for (const std::string& warning : warnings(material_of(config, leaflet))) spdlog::warn("leaflet.{}: {}", leaflet, warning);
   solid_.emplace(solid, std::vector<Material>{material_of(config, "anterior"), material_of(config, "posterior")});
   masses_ = solid_->node_masses();
   is_fixed_.assign(mesh.on_annulus.begin(), mesh.on_annulus.end());

@@ -44,7 +44,7 @@ double profile_error(int cells_across, double offset, bool is_quartic) {
           force.c[2][static_cast<std::size_t>(grid.index(i, j, k))] = mu * laplacian;
         }
   const double dt = solver.stable_step(state);
-  const int steps = static_cast<int>(0.3 / dt);
+  const int steps = static_cast<int>(0.15 / dt);
   for (int s = 0; s < steps; ++s) solver.advance(state, force, dt, {{{0, 0}, {0, 0}, {drop, 0}}});
   double error = 0, norm = 0;
   for (int j = 0; j < grid.n[1]; ++j)

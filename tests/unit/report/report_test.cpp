@@ -189,7 +189,10 @@ TEST(VerdictTest, failed_gates_take_the_trust_away) {
 
 TEST(HtmlTest, numbers_and_scripts_are_safe) {
   EXPECT_EQ(html::number(104880), "104880");
-  EXPECT_EQ(html::number(0.123456), "0.1235");
+  EXPECT_EQ(html::number(0.123456), "0.123");
+  EXPECT_EQ(html::number(0.123456, html::exact), "0.123456");
+  EXPECT_EQ(html::number(371.49), "371");
+  EXPECT_EQ(html::number(-2.345), "-2.35");
   EXPECT_EQ(html::number(NAN), "–");
   EXPECT_EQ(html::number(-0.0), "0");
   EXPECT_EQ(html::script_json(Json{{"a", "</script><!--"}}), "{\"a\":\"\\u003c/script>\\u003c!--\"}");
