@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Dense uniform grid of cubic cells over a bounding box, with items sorted by cell (counting sort). The number of cells is capped by
-// enlarging them, so that far-flung positions cost time, never memory. Cells along x are neighbours in memory: a box of cells is a
-// few contiguous runs of items.
+// Dense uniform grid of cubic cells over a bounding box, with items sorted by cell (counting sort). The number of cells is capped
+// by enlarging them, so that far-flung positions cost time, never memory. Cells along x are neighbours in memory: a box of cells
+// is a few contiguous runs of items.
 
 #include <Eigen/Core>
 #include <algorithm>

@@ -93,7 +93,9 @@ class SolidDistance {
 }  // namespace
 
 CandidateSearch::CandidateSearch(const ContactSurface& surface, double exclusion_radius)
-    : surface_(surface), exclusion_squared_(static_cast<float>(exclusion_radius * exclusion_radius)), exclusion_radius_(exclusion_radius) {
+    : surface_(surface),
+      exclusion_squared_(static_cast<float>(exclusion_radius * exclusion_radius)),
+      exclusion_radius_(exclusion_radius) {
   for (const Vec3& p : surface_.reference) rest_node_.push_back(p.cast<float>());
   for (const auto& t : surface_.triangles)
     rest_centre_.push_back(((surface_.reference[t[0]] + surface_.reference[t[1]] + surface_.reference[t[2]]) / 3).cast<float>());
@@ -104,7 +106,8 @@ CandidateSearch::CandidateSearch(const ContactSurface& surface, double exclusion
 void CandidateSearch::find_exceptions() {
   const int nodes = surface_.node_count(), triangles = surface_.triangle_count();
   std::vector<double> rest(3 * static_cast<std::size_t>(surface_.solid_nodes));
-  for (int n = 0; n < surface_.solid_nodes; ++n) Eigen::Map<Vec3>(rest.data() + 3 * static_cast<std::size_t>(n)) = surface_.solid_reference[n];
+  for (int n = 0; n < surface_.solid_nodes; ++n)
+    Eigen::Map<Vec3>(rest.data() + 3 * static_cast<std::size_t>(n)) = surface_.solid_reference[n];
   std::vector<Vec3> node_normal(surface_.nodes.size());
   current_node_normals(surface_, rest, node_normal);
   std::vector<int> surface_node(static_cast<std::size_t>(surface_.solid_nodes), -1);
@@ -152,7 +155,8 @@ void CandidateSearch::find_exceptions() {
 }
 
 bool CandidateSearch::is_exception(int node, int triangle) const {
-  return std::binary_search(exception_.begin() + exception_start_[node], exception_.begin() + exception_start_[node + 1], triangle);
+  return std::binary_search(exception_.begin() + exception_start_[node], exception_.begin() + exception_start_[node + 1],
+                            triangle);
 }
 
 bool CandidateSearch::is_excluded(int node, int triangle) const {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Broad phase: which triangles a surface node might touch. A pair is left out for good when node and triangle are neighbours in the solid:
-// reference distance below the exclusion radius and joined by the solid's edges within that radius (pairs that already face each other
-// across a gap at rest) or twice that radius (all others: the same face, or the back face seen through the thickness).
+// Broad phase: which triangles a surface node might touch. A pair is left out for good when node and triangle are neighbours in
+// the solid: reference distance below the exclusion radius and joined by the solid's edges within that radius (pairs that already
+// face each other across a gap at rest) or twice that radius (all others: the same face, or the back face seen through the
+// thickness).
 
 #include <Eigen/Core>
 #include <span>
@@ -22,8 +23,8 @@ class CandidateSearch {
   /// Keeps a reference to the surface. `exclusion_radius` in m.
   CandidateSearch(const ContactSurface& surface, double exclusion_radius);
 
-  /// Lists for every surface node all triangles closer than `radius` (m; never misses one, may list some that are further) that are not
-  /// excluded, in ascending order. `x`: 3 * solid_nodes. Throws TrustError when x is not finite. Reuses its memory.
+  /// Lists for every surface node all triangles closer than `radius` (m; never misses one, may list some that are further) that
+  /// are not excluded, in ascending order. `x`: 3 * solid_nodes. Throws TrustError when x is not finite. Reuses its memory.
   void update(std::span<const double> x, double radius);
 
   /// The pair never touches (see above). Pure function of the reference configuration.

@@ -24,7 +24,8 @@ inline FacetHead make_head(const Vec3& a, const Vec3& b, const Vec3& c) {
   FacetHead h;
   const Vec3 m = (b - a).cross(c - a);
   h.centre = (a + b + c) / 3;
-  h.size = std::sqrt(std::max((a - h.centre).squaredNorm(), std::max((b - h.centre).squaredNorm(), (c - h.centre).squaredNorm())));
+  h.size =
+      std::sqrt(std::max((a - h.centre).squaredNorm(), std::max((b - h.centre).squaredNorm(), (c - h.centre).squaredNorm())));
   h.area2 = m.norm();
   if (h.area2 > 0) h.n = m / h.area2;
   return h;
@@ -49,7 +50,8 @@ inline Facet make_facet(const Vec3& a, const Vec3& b, const Vec3& c, double area
   return f;
 }
 
-/// Foot of the perpendicular (barycentric l1, l2 of corners b, c; may lie outside) and the point of the triangle nearest to it (b1, b2).
+/// Foot of the perpendicular (barycentric l1, l2 of corners b, c; may lie outside) and the point of the triangle nearest to it
+/// (b1, b2).
 struct Projection {
   double l1, l2, b1, b2;
   double lateral_squared;  // squared distance between the two

@@ -80,7 +80,9 @@ bool plane_separates(const Corners& a, const Corners& b) {
   return s0 == orientation_3d(a[0], a[1], a[2], b[1]) && s0 == orientation_3d(a[0], a[1], a[2], b[2]);
 }
 
-Corners corners_of(std::span<const Vec3> points, const std::array<int, 3>& t) { return {points[t[0]], points[t[1]], points[t[2]]}; }
+Corners corners_of(std::span<const Vec3> points, const std::array<int, 3>& t) {
+  return {points[t[0]], points[t[1]], points[t[2]]};
+}
 
 /// Triangles of a mesh, common vertices excepted as the header says.
 bool mesh_triangles_intersect(std::span<const Vec3> points, const std::array<int, 3>& ta, const std::array<int, 3>& tb) {
@@ -139,7 +141,8 @@ std::vector<std::pair<int, int>> self_intersections(std::span<const Vec3> points
   Vec3 lower = low[0], upper = high[0];
   double extent_mean = 0;
   for (int f = 0; f < count; ++f) {
-    if (!finite[f]) throw InputError("self_intersections: triangle " + std::to_string(f) + " has coordinates that are not finite");
+    if (!finite[f])
+      throw InputError("self_intersections: triangle " + std::to_string(f) + " has coordinates that are not finite");
     lower = lower.cwiseMin(low[f]);
     upper = upper.cwiseMax(high[f]);
     extent_mean += (high[f] - low[f]).maxCoeff() / count;
@@ -156,7 +159,9 @@ std::vector<std::pair<int, int>> self_intersections(std::span<const Vec3> points
     (extent > extent_limit ? large : regular).push_back(f);
     if (extent <= extent_limit) extent_max = std::max(extent_max, extent);
   }
-  const auto boxes_overlap = [&](int f, int g) { return (low[f].array() <= high[g].array()).all() && (low[g].array() <= high[f].array()).all(); };
+  const auto boxes_overlap = [&](int f, int g) {
+    return (low[f].array() <= high[g].array()).all() && (low[g].array() <= high[f].array()).all();
+  };
   BoxGrid grid;
   grid.reset(lower, upper, std::max(extent_mean, 1e-12 * std::max(1e-300, (upper - lower).maxCoeff())));
   grid.sort(static_cast<int>(regular.size()), [&](int r) { return grid.cell_index(grid.cell(low[regular[r]])); });
@@ -170,7 +175,8 @@ std::vector<std::pair<int, int>> self_intersections(std::span<const Vec3> points
       grid.for_runs(grid.cell(window), grid.cell(high[f]), [&](int first, int last) {
         for (int s = first; s < last; ++s) {
           const int g = regular[grid.item(s)];
-          if (g > f && boxes_overlap(f, g) && mesh_triangles_intersect(points, triangles[f], triangles[g])) found[thread].emplace_back(f, g);
+          if (g > f && boxes_overlap(f, g) && mesh_triangles_intersect(points, triangles[f], triangles[g]))
+            found[thread].emplace_back(f, g);
         }
       });
     }
@@ -179,7 +185,8 @@ std::vector<std::pair<int, int>> self_intersections(std::span<const Vec3> points
   for (std::size_t i = 0; i < large.size(); ++i) {
     const int f = large[i];
     const auto test = [&](int g) {
-      if (boxes_overlap(f, g) && mesh_triangles_intersect(points, triangles[f], triangles[g])) result.emplace_back(std::minmax(f, g));
+      if (boxes_overlap(f, g) && mesh_triangles_intersect(points, triangles[f], triangles[g]))
+        result.emplace_back(std::minmax(f, g));
     };
     for (int g : regular) test(g);
     for (std::size_t j = i + 1; j < large.size(); ++j) test(large[j]);
@@ -190,7 +197,8 @@ std::vector<std::pair<int, int>> self_intersections(std::span<const Vec3> points
 
 std::vector<std::pair<int, int>> self_intersections(const ContactSurface& surface, std::span<const double> x) {
   std::vector<Vec3> points(surface.nodes.size());
-  for (std::size_t s = 0; s < points.size(); ++s) points[s] = Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(surface.nodes[s]));
+  for (std::size_t s = 0; s < points.size(); ++s)
+    points[s] = Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(surface.nodes[s]));
   return self_intersections(points, surface.triangles);
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One evaluation: frames of the triangles in reach -> each slave node computes its gap, force, friction and the reactions on its triangles'
-// corners (records) -> each triangle sums its records -> each node sums its triangles. Every sum has a fixed order that does not depend on
-// threads or on when candidates were renewed: triangles without weight contribute nothing, lists are in ascending order.
+// One evaluation: frames of the triangles in reach -> each slave node computes its gap, force, friction and the reactions on its
+// triangles' corners (records) -> each triangle sums its records -> each node sums its triangles. Every sum has a fixed order
+// that does not depend on threads or on when candidates were renewed: triangles without weight contribute nothing, lists are in
+// ascending order.
 #include "solver/contact/self_contact.h"
 
 #include <Eigen/Geometry>
@@ -15,6 +16,7 @@
 #include "geometry/core/errors.h"
 #include "geometry/core/parallel.h"
 #include "solver/contact/candidates.h"
+#include "solver/contact/closest_gaps.h"
 #include "solver/contact/contact_kernel.h"
 
 namespace mv {
@@ -26,16 +28,16 @@ using contact::Facet;
 using contact::smooth_step;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double facing_full_cosine = -0.6;    // from here on a triangle counts fully; below facing_cosine not at all
-constexpr double lateral_growth = 0.5;         // gamma: how the averaging radius widens with the gap (covers ridges up to 2 atan(gamma))
-constexpr double full_weight = 0.5;            // W above which the force is not faded
-constexpr double depth_fade = 0.2;             // share of the penetration limit over which deep triangles fade out
+constexpr double facing_full_cosine = -0.6;  // from here on a triangle counts fully; below facing_cosine not at all
+constexpr double lateral_growth = 0.5;  // gamma: how the averaging radius widens with the gap (covers ridges up to 2 atan(gamma))
+constexpr double full_weight = 0.5;     // W above which the force is not faded
+constexpr double depth_fade = 0.2;      // share of the penetration limit over which deep triangles fade out
 
 /// Velocities and inertia of a triangle, for the slip seen by an observer who turns with the master.
 struct FacetMotion {
   Vec3 v, dv1, dv2;
-  Vec3 spin;                          // mean of r x v over the corners, r from the centroid
-  double xx, yy, zz, xy, xz, yz;      // mean of |r|^2 I - r r^T
+  Vec3 spin;                      // mean of r x v over the corners, r from the centroid
+  double xx, yy, zz, xy, xz, yz;  // mean of |r|^2 I - r r^T
 };
 
 /// A triangle that a slave sees with positive weight.
@@ -70,7 +72,8 @@ ContactOptions resolve(const ContactSurface& s, ContactOptions o) {
   if (!(o.friction >= 0)) refuse("friction must not be negative");
   if (!(o.tangential_ratio > 0)) refuse("tangential_ratio must be positive");
   if (!(o.averaging_ratio > 0)) refuse("averaging_ratio must be positive");
-  if (!(o.thickness >= 0) || !(o.penetration_limit >= 0) || !(o.exclusion_radius >= 0) || !(o.skin >= 0)) refuse("lengths must not be negative");
+  if (!(o.thickness >= 0) || !(o.penetration_limit >= 0) || !(o.exclusion_radius >= 0) || !(o.skin >= 0))
+    refuse("lengths must not be negative");
   if (o.penetration_limit == 0) o.penetration_limit = o.thickness > 0 ? 0.5 * o.thickness : s.mean_edge;
   if (o.exclusion_radius == 0) o.exclusion_radius = std::max(2.5 * s.mean_edge, 1.5 * o.thickness);
   if (o.skin == 0) o.skin = 0.4 * s.mean_edge;
@@ -83,30 +86,30 @@ struct SelfContact::Impl {
   const ContactSurface& surface;
   ContactOptions options;
   CandidateSearch search;
-  double sheet_separation;  // m, triangles this much further away than the nearest belong to another sheet
-  double p_max;             // m, largest distance along the normal that can matter
-  double reach;             // m, largest distance to a triangle that can matter
-  std::vector<double> node_stiffness;      // N/m
-  std::vector<double> averaging_radius;    // R_f per triangle, m
-  std::vector<int> ring_corner;            // which corner of ring[r] the node is
+  double sheet_separation;               // m, triangles this much further away than the nearest belong to another sheet
+  double p_max;                          // m, largest distance along the normal that can matter
+  double reach;                          // m, largest distance to a triangle that can matter
+  std::vector<double> node_stiffness;    // N/m
+  std::vector<double> averaging_radius;  // R_f per triangle, m
+  std::vector<int> ring_corner;          // which corner of ring[r] the node is
 
   // Candidates: refreshed by a search.
-  std::vector<double> x_search;            // 3 per surface node
+  std::vector<double> x_search;  // 3 per surface node
   int steps_since_search = 0;
   bool has_candidates = false;
-  std::vector<int> slaves;                 // nodes with candidates
-  std::vector<int> masters;                // triangles in some list
-  std::vector<int> frames_needed;          // masters and the rings of slaves
-  std::vector<int> touched;                // nodes that may receive a force
+  std::vector<int> slaves;                     // nodes with candidates
+  std::vector<int> masters;                    // triangles in some list
+  std::vector<int> frames_needed;              // masters and the rings of slaves
+  std::vector<int> touched;                    // nodes that may receive a force
   std::vector<int> master_start, master_pair;  // per master: its pairs, in the order of the slaves
-  std::vector<int> stamp;                  // scratch, per triangle
-  std::vector<int> node_stamp;             // scratch, per node
-  double released_energy = 0;              // J, slip energy of nodes that lost all candidates
+  std::vector<int> stamp;                      // scratch, per triangle
+  std::vector<int> node_stamp;                 // scratch, per node
+  double released_energy = 0;                  // J, slip energy of nodes that lost all candidates
 
   // Per step.
   std::vector<contact::FacetHead> heads;
-  std::vector<int> record_of_pair;         // -1: no reaction
-  std::vector<SlaveTotals> slave_totals;   // per slave
+  std::vector<int> record_of_pair;        // -1: no reaction
+  std::vector<SlaveTotals> slave_totals;  // per slave
   std::vector<CornerForces> records;
   std::vector<CornerForces> facet_force;
   std::vector<char> facet_active;
@@ -119,7 +122,8 @@ struct SelfContact::Impl {
   std::vector<int> partner;
   std::vector<char> is_active;
 
-  Impl(const ContactSurface& s, const ContactOptions& o) : surface(s), options(resolve(s, o)), search(s, options.exclusion_radius) {
+  Impl(const ContactSurface& s, const ContactOptions& o)
+      : surface(s), options(resolve(s, o)), search(s, options.exclusion_radius) {
     const std::size_t nodes = s.nodes.size(), triangles = s.triangles.size();
     set_node_stiffness({});
     averaging_radius.resize(triangles);
@@ -192,7 +196,8 @@ struct SelfContact::Impl {
   void update_candidates(std::span<const double> x) {
     for (int n : touched) clear_outputs(n);
     search.update(x, reach + options.skin);
-    for (int n = 0; n < surface.node_count(); ++n) Eigen::Map<Vec3>(x_search.data() + 3 * static_cast<std::size_t>(n)) = at(x, surface.nodes[n]);
+    for (int n = 0; n < surface.node_count(); ++n)
+      Eigen::Map<Vec3>(x_search.data() + 3 * static_cast<std::size_t>(n)) = at(x, surface.nodes[n]);
     steps_since_search = 0;
     has_candidates = true;
 
@@ -292,7 +297,8 @@ struct SelfContact::Impl {
       const Vec3 from_centre = x - head.centre;
       const double height = head.n.dot(from_centre);
       if (!(height > -options.penetration_limit && height < p_max)) continue;
-      // Lateral distance is at least that to the centroid less the triangle's size; the averaging radius is at most R_f + gamma |p|.
+      // Lateral distance is at least that to the centroid less the triangle's size; the averaging radius is at most R_f + gamma
+      // |p|.
       const double far = head.size + averaging_radius[f] + lateral_growth * std::abs(height);
       if (from_centre.squaredNorm() - height * height > 1.0001 * far * far) continue;
       Sight s;
@@ -340,7 +346,8 @@ struct SelfContact::Impl {
 
   Vec3 node_normal(int node) const {
     Vec3 sum = Vec3::Zero();
-    for (int r = surface.ring_start[node]; r < surface.ring_start[node + 1]; ++r) sum += heads[surface.ring[r]].area2 * heads[surface.ring[r]].n;
+    for (int r = surface.ring_start[node]; r < surface.ring_start[node + 1]; ++r)
+      sum += heads[surface.ring[r]].area2 * heads[surface.ring[r]].n;
     const double length = sum.norm();
     return length > 0 ? Vec3(sum / length) : Vec3::Zero();
   }
@@ -354,7 +361,8 @@ struct SelfContact::Impl {
   }
 
   /// All of one slave node: outputs, its own force, records of the reactions.
-  SlaveTotals evaluate_slave(int node, std::span<const double> x, std::span<const double> v, double dt, std::vector<Sight>& seen) {
+  SlaveTotals evaluate_slave(int node, std::span<const double> x, std::span<const double> v, double dt,
+                             std::vector<Sight>& seen) {
     SlaveTotals result;
     const int first = search.first_pair(node);
     if (is_active[node]) std::fill_n(record_of_pair.begin() + first, search.triangles_of(node).size(), -1);
@@ -424,15 +432,16 @@ struct SelfContact::Impl {
   }
 
   /// Coulomb friction of one slave pass; see README for the return mapping and the turning observer.
-  void add_friction(int node, const Vec3& x, std::span<const double> velocities, double dt, double force, double total, const std::vector<Sight>& seen,
-                    SlaveTotals& result) {
+  void add_friction(int node, const Vec3& x, std::span<const double> velocities, double dt, double force, double total,
+                    const std::vector<Sight>& seen, SlaveTotals& result) {
     const Vec3 n = normal[node];
     Vec3 point = Vec3::Zero(), velocity = Vec3::Zero(), spin = Vec3::Zero();
     double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
     for (const Sight& s : seen) {
       const Facet& f = s.facet;
       const auto& t = surface.triangles[s.triangle];
-      const FacetMotion m = motion_of(f, at(velocities, surface.nodes[t[0]]), at(velocities, surface.nodes[t[1]]), at(velocities, surface.nodes[t[2]]));
+      const FacetMotion m = motion_of(f, at(velocities, surface.nodes[t[0]]), at(velocities, surface.nodes[t[1]]),
+                                      at(velocities, surface.nodes[t[2]]));
       const double share = s.weight / total;
       point += share * (f.a + s.b1 * f.e1 + s.b2 * f.e2);
       velocity += share * (m.v + s.b1 * m.dv1 + s.b2 * m.dv2);
@@ -531,13 +540,15 @@ struct SelfContact::Impl {
   }
 };
 
-SelfContact::SelfContact(const ContactSurface& surface, const ContactOptions& options) : impl_(std::make_unique<Impl>(surface, options)) {}
+SelfContact::SelfContact(const ContactSurface& surface, const ContactOptions& options)
+    : impl_(std::make_unique<Impl>(surface, options)) {}
 SelfContact::~SelfContact() = default;
 SelfContact::SelfContact(SelfContact&&) noexcept = default;
 
 void SelfContact::set_node_stiffness(std::span<const double> stiffness) {
   if (!stiffness.empty() && stiffness.size() != impl_->surface.nodes.size())
-    throw InputError("contact: node stiffness has " + std::to_string(stiffness.size()) + " entries for " + std::to_string(impl_->surface.nodes.size()) + " surface nodes");
+    throw InputError("contact: node stiffness has " + std::to_string(stiffness.size()) + " entries for " +
+                     std::to_string(impl_->surface.nodes.size()) + " surface nodes");
   impl_->set_node_stiffness(stiffness);
 }
 
@@ -563,104 +574,8 @@ ContactResult SelfContact::evaluate(std::span<const double> x, std::span<const d
 }
 
 void SelfContact::closest_gaps(std::span<const double> x, double max_distance, bool atrial_only, ClosestGaps& out) const {
-  const Impl& c = *impl_;
-  const ContactSurface& s = c.surface;
-  const int nodes = s.node_count(), triangles = s.triangle_count();
-  out.gap.assign(s.nodes.size(), infinity);
-  out.point.assign(s.nodes.size(), Vec3::Zero());
-  out.triangle.assign(s.nodes.size(), -1);
-  const auto head_of = [&](int f) {
-    const auto& t = s.triangles[f];
-    return contact::make_head(at(x, s.nodes[t[0]]), at(x, s.nodes[t[1]]), at(x, s.nodes[t[2]]));
-  };
-  std::vector<int> masters;
-  for (int f = 0; f < triangles; ++f) {
-    if (!atrial_only || s.triangle_side[f] > 0) masters.push_back(f);
-  }
-  if (masters.empty()) return;
-  const int count = static_cast<int>(masters.size());
-  std::vector<contact::FacetHead> unsorted(masters.size()), heads(masters.size());
-  parallel_for(count, [&](std::ptrdiff_t m) { unsorted[m] = head_of(masters[m]); });
-  std::vector<Vec3> normals(s.nodes.size());
-  current_node_normals(s, x, normals);
-  Vec3 lower = unsorted[0].centre, upper = lower;
-  double size_max = 0, checksum = 0;
-  for (const auto& head : unsorted) {
-    lower = lower.cwiseMin(head.centre);
-    upper = upper.cwiseMax(head.centre);
-    size_max = std::max(size_max, head.size);
-    checksum += head.centre.sum() + head.size;
-  }
-  if (!std::isfinite(checksum)) throw TrustError("contact: positions are not finite; the run has diverged");
-  BoxGrid grid;
-  grid.reset(lower, upper, std::max(1.5 * s.mean_edge, 0.125 * (max_distance + size_max)));
-  grid.sort(count, [&](int m) { return grid.cell_index(grid.cell(unsorted[m].centre)); });
-  parallel_for(count, [&](std::ptrdiff_t k) { heads[k] = unsorted[grid.item(static_cast<int>(k))]; });
-  parallel_for(nodes, [&](std::ptrdiff_t n) {
-    if (atrial_only && !s.on_atrial_face[n]) return;
-    const Vec3 p = at(x, s.nodes[n]);
-    const Vec3 node_normal = normals[n];
-    double best = max_distance * max_distance, best_distance = max_distance;
-    int best_triangle = -1;
-    Vec3 best_point = Vec3::Zero();
-    double best_height = 0;
-    const auto measure = [&](int f, const contact::FacetHead& head) {
-      if (!(head.n.dot(node_normal) < facing_cosine)) return;
-      const Facet facet = c.facet_of(x, f, head);
-      const Vec3 d = p - facet.a;
-      const double height = head.n.dot(d);
-      if (!(height > -c.options.penetration_limit)) return;
-      const auto q = contact::project(facet, d);
-      const double squared = q.lateral_squared + height * height;
-      if (squared > best || (squared == best && best_triangle >= 0 && f > best_triangle)) return;
-      if (c.search.is_excluded(static_cast<int>(n), f)) return;
-      best = squared;
-      best_distance = std::sqrt(best);
-      best_triangle = f;
-      best_point = facet.a + q.b1 * facet.e1 + q.b2 * facet.e2;
-      best_height = height;
-    };
-    // The partner of the last evaluation, if any, is a good first bound; the answer does not depend on it.
-    const int guess = c.partner[n];
-    if (guess >= 0 && (!atrial_only || s.triangle_side[guess] > 0)) measure(guess, head_of(guess));
-    const auto visit = [&](int k) {
-      const contact::FacetHead& head = heads[k];
-      const double within = best_distance + head.size;
-      if ((p - head.centre).squaredNorm() <= 1.0001 * within * within) measure(masters[grid.item(k)], head);
-    };
-    // Shells of cells around the node's own until nothing closer can follow.
-    const auto home = grid.cell(p);
-    const int rings = static_cast<int>((max_distance + size_max) / grid.cell_size()) + 1;
-    for (int ring = 0; ring <= rings; ++ring) {
-      if (ring > 1 && (ring - 1) * grid.cell_size() > best_distance + size_max) break;
-      std::array<int, 3> low, high;
-      for (int k = 0; k < 3; ++k) {
-        low[k] = std::max(home[k] - ring, 0);
-        high[k] = std::min(home[k] + ring, grid.size()[k] - 1);
-      }
-      for (int k = low[2]; k <= high[2]; ++k) {
-        for (int j = low[1]; j <= high[1]; ++j) {
-          const bool shell = std::abs(k - home[2]) == ring || std::abs(j - home[1]) == ring;
-          const auto run = [&](int from, int to) {
-            if (from > to) return;
-            grid.for_runs({from, j, k}, {to, j, k}, [&](int first, int last) {
-              for (int q = first; q < last; ++q) visit(q);
-            });
-          };
-          if (shell) {
-            run(low[0], high[0]);
-          } else {
-            if (home[0] - ring >= 0) run(home[0] - ring, home[0] - ring);
-            if (ring > 0 && home[0] + ring < grid.size()[0]) run(home[0] + ring, home[0] + ring);
-          }
-        }
-      }
-    }
-    if (best_triangle < 0) return;
-    out.triangle[n] = best_triangle;
-    out.point[n] = best_point;
-    out.gap[n] = best_height < 0 ? -best_distance : best_distance;
-  });
+  mv::closest_gaps(impl_->surface, impl_->search, x, {max_distance, impl_->options.penetration_limit, atrial_only},
+                   impl_->partner, out);
 }
 
 std::span<const double> SelfContact::gap() const { return impl_->gap; }
@@ -679,7 +594,8 @@ std::vector<double> SelfContact::export_history() const {
 
 void SelfContact::import_history(std::span<const double> slip) {
   if (slip.size() != 3 * impl_->slip.size())
-    throw InputError("contact: friction history has " + std::to_string(slip.size()) + " numbers, expected " + std::to_string(3 * impl_->slip.size()));
+    throw InputError("contact: friction history has " + std::to_string(slip.size()) + " numbers, expected " +
+                     std::to_string(3 * impl_->slip.size()));
   for (std::size_t n = 0; n < impl_->slip.size(); ++n) impl_->slip[n] = Eigen::Map<const Vec3>(slip.data() + 3 * n);
 }
 

@@ -54,7 +54,10 @@ std::vector<Face> boundary_faces(std::span<const double> x, std::span<const std:
   for (std::size_t i = 0; i < faces.size();) {
     std::size_t j = i + 1;
     while (j < faces.size() && faces[j].key == faces[i].key) ++j;
-    if (j - i > 2) throw InputError("contact surface: face of nodes " + std::to_string(faces[i].key[0]) + ", " + std::to_string(faces[i].key[1]) + ", " + std::to_string(faces[i].key[2]) + " belongs to more than two elements");
+    if (j - i > 2)
+      throw InputError("contact surface: face of nodes " + std::to_string(faces[i].key[0]) + ", " +
+                       std::to_string(faces[i].key[1]) + ", " + std::to_string(faces[i].key[2]) +
+                       " belongs to more than two elements");
     if (j - i == 1) boundary.push_back(faces[i]);
     i = j;
   }
@@ -128,18 +131,21 @@ void set_solid_nodes(ContactSurface& s, std::span<const double> x) {
 }
 
 void check_index(int node, int count, const char* what) {
-  if (node < 0 || node >= count) throw InputError(std::string("contact surface: ") + what + " refers to node " + std::to_string(node) + " of " + std::to_string(count));
+  if (node < 0 || node >= count)
+    throw InputError(std::string("contact surface: ") + what + " refers to node " + std::to_string(node) + " of " +
+                     std::to_string(count));
 }
 
 }  // namespace
 
-ContactSurface extract_contact_surface(std::span<const double> rest_positions, std::span<const std::array<int, 10>> tets, int order,
-                                       std::span<const int> side, ContactFaces faces) {
+ContactSurface extract_contact_surface(std::span<const double> rest_positions, std::span<const std::array<int, 10>> tets,
+                                       int order, std::span<const int> side, ContactFaces faces) {
   ContactSurface s;
   set_solid_nodes(s, rest_positions);
   const bool has_sides = side.size() == static_cast<std::size_t>(s.solid_nodes);
   if (!has_sides && (!side.empty() || faces == ContactFaces::inner))
-    throw InputError("contact surface: the array `side` has " + std::to_string(side.size()) + " entries for " + std::to_string(s.solid_nodes) + " nodes");
+    throw InputError("contact surface: the array `side` has " + std::to_string(side.size()) + " entries for " +
+                     std::to_string(s.solid_nodes) + " nodes");
   const int used = order == 2 ? 10 : 4;
   std::vector<std::array<int, 2>> edges;
   for (const auto& t : tets) {
@@ -174,13 +180,15 @@ ContactSurface extract_contact_surface(std::span<const double> rest_positions, s
       s.triangle_side.push_back(triangle_side);
     }
   }
-  if (s.triangles.empty()) throw InputError("contact surface: no boundary face with the side asked for; check the array `side` of leaflets.vtu");
+  if (s.triangles.empty())
+    throw InputError("contact surface: no boundary face with the side asked for; check the array `side` of leaflets.vtu");
   set_edges(s, std::move(edges));
   finish(s, rest_positions);
   return s;
 }
 
-ContactSurface contact_surface_from_triangles(std::span<const double> rest_positions, std::span<const std::array<int, 3>> triangles) {
+ContactSurface contact_surface_from_triangles(std::span<const double> rest_positions,
+                                              std::span<const std::array<int, 3>> triangles) {
   ContactSurface s;
   set_solid_nodes(s, rest_positions);
   if (triangles.empty()) throw InputError("contact surface: no triangles");

@@ -53,29 +53,33 @@ void Coupling::set_volumes(std::vector<double> volumes) {
   volume_vectors_.resize(3 * volumes_.size());
   for (std::size_t a = 0; a < volume_vectors_.size(); ++a) volume_vectors_[a] = volumes_[a / 3];
   mean_force_.assign(volume_vectors_.size(), 0.0);
-  mean_volume_.assign(volume_vectors_.size(), 0.0);
+  lost_.assign(volumes_.size(), 0.0);
   volume_density_ = FaceField(transfer_.grid());
 }
 
 double Coupling::relax(const CoupledNodes& nodes, std::span<const double> forces, const FaceField& force_density, std::span<const double> critical_steps,
-                       double solid_density) {
+                       double solid_density, std::vector<double>& mean_volume) {
   transfer_.interpolate(force_density, mean_force_);
-  volume_density_.set_zero();
-  transfer_.spread(volume_vectors_, volume_density_);
-  transfer_.interpolate(volume_density_, mean_volume_);
-  double lost = 0;
-  for (int i : active_) {
-    const std::size_t node = static_cast<std::size_t>(i);
-    if (!(volumes_[node] > 0)) continue;
+  if (mean_volume.empty()) {
+    mean_volume.assign(volume_vectors_.size(), 0.0);
+    volume_density_.set_zero();
+    transfer_.spread(volume_vectors_, volume_density_);
+    transfer_.interpolate(volume_density_, mean_volume);
+  }
+  const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(active_.size());
+  parallel_for(count, [&](std::ptrdiff_t q) {
+    const std::size_t node = static_cast<std::size_t>(active_[static_cast<std::size_t>(q)]);
+    lost_[static_cast<std::size_t>(q)] = 0;
+    if (!(volumes_[node] > 0)) return;
     const double factor = relaxation * critical_steps[node] * critical_steps[node] / solid_density;
     for (std::size_t a = 3 * node; a < 3 * node + 3; ++a) {
-      if (!(mean_volume_[a] > smallest_volume_share)) continue;
-      const double shift = factor * (forces[a] / volumes_[node] - mean_force_[a] / mean_volume_[a]);
+      if (!(mean_volume[a] > smallest_volume_share)) continue;
+      const double shift = factor * (forces[a] / volumes_[node] - mean_force_[a] / mean_volume[a]);
       nodes.x[a] += shift;
-      lost += forces[a] * shift;
+      lost_[static_cast<std::size_t>(q)] += forces[a] * shift;
     }
-  }
-  return lost;
+  });
+  return parallel_sum(count, [&](std::ptrdiff_t q) { return lost_[static_cast<std::size_t>(q)]; });
 }
 
 double Coupling::hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density) {
@@ -105,12 +109,14 @@ void Coupling::move(const CoupledNodes& nodes, const FaceField& velocity, double
   // Midpoint rule: a plain Euler step swells everything that turns, by (dt omega)^2 / 2 of its volume a step.
   midpoint_.assign(nodes.x.begin(), nodes.x.end());
   transfer_.interpolate(velocity, nodes.v);
-  for (int i : active_)
-    for (std::size_t a = static_cast<std::size_t>(3 * i); a < static_cast<std::size_t>(3 * i + 3); ++a) midpoint_[a] += 0.5 * dt * nodes.v[a];
+  parallel_for(static_cast<std::ptrdiff_t>(midpoint_.size()), [&](std::ptrdiff_t a) {
+    if (!nodes.is_fixed[static_cast<std::size_t>(a / 3)]) midpoint_[static_cast<std::size_t>(a)] += 0.5 * dt * nodes.v[static_cast<std::size_t>(a)];
+  });
   transfer_.bind(midpoint_, active_);
   transfer_.interpolate(velocity, nodes.v);
-  for (int i : active_)
-    for (std::size_t a = static_cast<std::size_t>(3 * i); a < static_cast<std::size_t>(3 * i + 3); ++a) nodes.x[a] += dt * nodes.v[a];
+  parallel_for(static_cast<std::ptrdiff_t>(midpoint_.size()), [&](std::ptrdiff_t a) {
+    if (!nodes.is_fixed[static_cast<std::size_t>(a / 3)]) nodes.x[static_cast<std::size_t>(a)] += dt * nodes.v[static_cast<std::size_t>(a)];
+  });
 }
 
 void Coupling::accelerate(const CoupledNodes& nodes, std::span<const double> forces, FaceField& scratch, std::span<double> out) const {

@@ -38,8 +38,9 @@ class Coupling {
   /// F and V its force and volume, <.> spread and interpolated back: only the part of the force density that the blood does not see acts, so a
   /// pressure carried smoothly does not press the leaflet through the blood. tau is the node's own critical step (s), which makes it a damped
   /// Jacobi iteration, stable for kappa < 1/2. Call after hand_over() and before anything else is spread. Returns the energy lost (J).
+  /// `mean_volume` (<V>, 3 per node, part of the state) is found anew when empty; clear it every few steps.
   double relax(const CoupledNodes& nodes, std::span<const double> forces, const FaceField& force_density, std::span<const double> critical_steps,
-               double solid_density);
+               double solid_density, std::vector<double>& mean_volume);
 
   /// Volumes (m3) of the nodes, for relax(); nodes without volume do not relax.
   void set_volumes(std::vector<double> volumes);
@@ -62,7 +63,7 @@ class Coupling {
   Transfer transfer_;
   double density_;
   std::vector<double> midpoint_;
-  std::vector<double> volumes_, volume_vectors_, mean_force_, mean_volume_;
+  std::vector<double> volumes_, volume_vectors_, mean_force_, lost_;
   FaceField volume_density_;
   std::vector<int> active_;
   std::unique_ptr<Transfer> held_transfer_;

@@ -41,6 +41,16 @@ FilmDrainage::FilmDrainage(const Structure& structure, const FluidGrid& grid, co
   normals_.resize(count);
   slip_.resize(count);
   smoothed_.resize(count);
+  std::vector<Eigen::Vector3d> held;
+  for (std::size_t i = 0; i < leaflet_nodes; ++i)
+    if (structure.is_fixed()[i]) held.push_back(Eigen::Vector3d::Map(rest.data() + 3 * i));
+  hinge_fade_.assign(count, 1.0);
+  parallel_for(surface.node_count(), [&](std::ptrdiff_t n) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Eigen::Vector3d& h : held) nearest = std::min(nearest, (surface.reference[static_cast<std::size_t>(n)] - h).squaredNorm());
+    hinge_fade_[static_cast<std::size_t>(n)] =
+        std::clamp((std::sqrt(nearest) / grid_.h - options_.hinge_free) / (options_.hinge_full - options_.hinge_free), 0.0, 1.0);
+  });
   std::vector<std::vector<int>> around(count);
   for (std::size_t f = 0; f < surface.triangles.size(); ++f)
     if (surface.triangle_side[f] > 0)
@@ -126,6 +136,7 @@ double FilmDrainage::slip(std::span<double> x, std::span<double> v, std::span<co
     });
     std::swap(slip_, smoothed_);
   }
+  parallel_for(surface.node_count(), [&](std::ptrdiff_t n) { slip_[static_cast<std::size_t>(n)] *= hinge_fade_[static_cast<std::size_t>(n)]; });
   double lost = 0;
   for (std::size_t i = 0; i < surface_index_.size(); ++i) {
     if (surface_index_[i] < 0) continue;

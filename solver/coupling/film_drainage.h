@@ -28,6 +28,8 @@ struct FilmDrainageOptions {
   double reach_full = 1.5;       // cells: full slip up to this gap ...
   double reach_end = 2.5;        // ... and none beyond this one
   int smoothing_passes = 10;     // averages with the neighbours on the face
+  double hinge_free = 2.0;       // cells from the annulus within which nothing slips: the hinge is held there, and no film needs to drain ...
+  double hinge_full = 4.0;       // ... and from where on it slips fully
 };
 
 class FilmDrainage {
@@ -48,6 +50,7 @@ class FilmDrainage {
   FluidGrid grid_;
   FilmDrainageOptions options_;
   std::vector<int> surface_index_;   // per leaflet node: contact-surface index of its atrial-face node, -1 for fixed nodes
+  std::vector<double> hinge_fade_;   // per contact-surface node
   std::vector<Eigen::Vector3d> normals_;
   std::vector<Eigen::Vector3d> slip_, smoothed_;  // m/s, per contact-surface node
   std::vector<int> neighbour_start_, neighbours_; // of each atrial-face node on its face

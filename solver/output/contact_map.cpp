@@ -21,8 +21,8 @@ namespace mv {
 
 namespace {
 
-// Faces of a tetrahedron of positive volume (VTK corner order), wound so that the normal points out; for the quadratic element the
-// middle node of each face edge follows in the same order.
+// Faces of a tetrahedron of positive volume (VTK corner order), wound so that the normal points out; for the quadratic element
+// the middle node of each face edge follows in the same order.
 constexpr int face_corners[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
 constexpr int face_midpoints[4][3] = {{6, 5, 4}, {4, 8, 7}, {5, 9, 8}, {7, 9, 6}};
 
@@ -87,10 +87,11 @@ FaceTriangles boundary_faces(const LeafletMesh& mesh) {
   return collect_faces(mesh, [](int, int, int) { return true; });
 }
 
-ContactMap make_contact_map(const LeafletMesh& mesh, std::span<const double> contact_pressures, std::span<const double> contact_forces,
-                            std::span<const double> gaps, std::span<const char> in_belt) {
+ContactMap make_contact_map(const LeafletMesh& mesh, std::span<const double> contact_pressures,
+                            std::span<const double> contact_forces, std::span<const double> gaps, std::span<const char> in_belt) {
   const std::size_t np = mesh.points.size();
-  if (contact_pressures.size() != np || contact_forces.size() != 3 * np || gaps.size() != np || (!in_belt.empty() && in_belt.size() != np))
+  if (contact_pressures.size() != np || contact_forces.size() != 3 * np || gaps.size() != np ||
+      (!in_belt.empty() && in_belt.size() != np))
     throw std::logic_error("contact map: sizes of the point data do not match the mesh");
   const double period = unfolded_period(mesh);
 

@@ -99,7 +99,8 @@ ChordaeFrame read_chordae_frame(const fs::path& file) {
     frame.segments.push_back({static_cast<int>(ids->GetId(0)), static_cast<int>(ids->GetId(1))});
   }
   frame.muscle_of_point = in.integers(Place::points, "muscle_of_point", -1, largest, 1, np);
-  for (int k : in.integers(Place::cells, "kind", 0, static_cast<int>(ChordaKind::marginal), 1, count)) frame.kind.push_back(static_cast<ChordaKind>(k));
+  for (int k : in.integers(Place::cells, "kind", 0, static_cast<int>(ChordaKind::marginal), 1, count))
+    frame.kind.push_back(static_cast<ChordaKind>(k));
   frame.tension = optional_reals(in, Place::cells, "tension", 1, count);
   return frame;
 }
@@ -116,7 +117,8 @@ FluidFrame read_fluid_frame(const fs::path& file) {
     reader->Update();
   }
   vtkObject::SetGlobalWarningDisplay(display);
-  if (!is_image || reader->GetErrorCode() != 0) throw InputError(file.string() + ": not a readable .vti file (damaged or incomplete?)");
+  if (!is_image || reader->GetErrorCode() != 0)
+    throw InputError(file.string() + ": not a readable .vti file (damaged or incomplete?)");
 
   vtkImageData* image = reader->GetOutput();
   const DatasetReader in(file, image);

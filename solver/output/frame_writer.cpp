@@ -41,10 +41,14 @@ Vec3 turn_to_world(const SolverFrame& frame, const Vec3& v) { return frame.axes.
 std::string escaped(const std::string& text) {
   std::string out;
   for (char c : text) {
-    if (c == '&') out += "&amp;";
-    else if (c == '<') out += "&lt;";
-    else if (c == '"') out += "&quot;";
-    else out += c;
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
   }
   return out;
 }
@@ -83,8 +87,10 @@ void FrameWriter::open_collection(Collection& collection, double resume_time) {
 
   // the collection first: it must never name a frame that is gone
   std::error_code error;
-  if (collection.entries.empty()) fs::remove(pvd, error);
-  else write_pvd(pvd, collection.entries);
+  if (collection.entries.empty())
+    fs::remove(pvd, error);
+  else
+    write_pvd(pvd, collection.entries);
   for (const auto& item : fs::directory_iterator(results_ / "frames", error)) {
     const std::string name = item.path().filename().string();
     if (!is_frame_name(name, collection.name, collection.extension)) continue;
@@ -150,8 +156,10 @@ fs::path FrameWriter::write_leaflets(const LeafletsState& state) {
     if (!values.empty())
       vtk::add_array<Float>(grid, at_points, name, unit, 3, np, [&](auto i) { return turn_to_world(frame_, entry(values, i)); });
   };
-  const auto scalars = [&](vtkFieldData* where, std::span<const double> values, const char* name, const char* unit, double scale) {
-    if (!values.empty()) vtk::add_array<Float>(grid, where, name, unit, 1, values.size(), [&](auto i) { return scale * values[i]; });
+  const auto scalars = [&](vtkFieldData* where, std::span<const double> values, const char* name, const char* unit,
+                           double scale) {
+    if (!values.empty())
+      vtk::add_array<Float>(grid, where, name, unit, 1, values.size(), [&](auto i) { return scale * values[i]; });
   };
   vectors(state.velocities, "velocity", "m/s");
   vectors(state.contact_forces, "contact_force", "N");
@@ -179,7 +187,8 @@ fs::path FrameWriter::write_chordae(const ChordaeState& state) {
   vtk::add_header(data, state.time);
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
-  for (std::size_t i = 0; i < chordae_.points.size(); ++i) points->InsertNextPoint(to_world_mm(frame_, entry(state.positions, i)).data());
+  for (std::size_t i = 0; i < chordae_.points.size(); ++i)
+    points->InsertNextPoint(to_world_mm(frame_, entry(state.positions, i)).data());
   data->SetPoints(points);
   vtkNew<vtkCellArray> lines;
   for (const ChordaSegment& s : segments) {
@@ -215,7 +224,9 @@ fs::path FrameWriter::write_fluid(const FluidState& state) {
 
   const auto ni = static_cast<std::size_t>(nx), nj = static_cast<std::size_t>(ny), count = ni * nj * static_cast<std::size_t>(nz);
   const auto at_cell = [&](auto&& rule) {
-    return [&rule, ni, nj](std::size_t c) { return rule(static_cast<int>(c % ni), static_cast<int>(c / ni % nj), static_cast<int>(c / ni / nj)); };
+    return [&rule, ni, nj](std::size_t c) {
+      return rule(static_cast<int>(c % ni), static_cast<int>(c / ni % nj), static_cast<int>(c / ni / nj));
+    };
   };
   const auto velocity = [&](int i, int j, int k) { return turn_to_world(frame_, state.velocity(i, j, k)); };
   const auto pressure = [&](int i, int j, int k) { return state.pressure(i, j, k) / pascal_per_mmHg; };
@@ -230,7 +241,8 @@ void write_pvd(const fs::path& file, std::span<const PvdEntry> entries) {
   std::ostringstream xml;
   xml << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  <Collection>\n";
   for (const PvdEntry& e : entries)
-    xml << "    <DataSet timestep=\"" << format_number(e.time) << "\" group=\"\" part=\"0\" file=\"" << escaped(e.file) << "\"/>\n";
+    xml << "    <DataSet timestep=\"" << format_number(e.time) << "\" group=\"\" part=\"0\" file=\"" << escaped(e.file)
+        << "\"/>\n";
   xml << "  </Collection>\n</VTKFile>\n";
   write_text_atomically(file, xml.str());
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Writes the time-resolved VTK files of RESULTS/: frames/leaflets_NNNN.vtu, frames/chordae_NNNN.vtp, frames/fluid_NNNN.vti and the
-// collections leaflets.pvd, chordae.pvd, fluid.pvd (times in seconds). Input is SI in the solver's frame; files are mm, kPa, mmHg,
-// m/s, N in the world (RAS) frame. A file appears under its name only when it is complete, and a .pvd names only files that exist.
+// Writes the time-resolved VTK files of RESULTS/: frames/leaflets_NNNN.vtu, frames/chordae_NNNN.vtp, frames/fluid_NNNN.vti and
+// the collections leaflets.pvd, chordae.pvd, fluid.pvd (times in seconds). Input is SI in the solver's frame; files are mm, kPa,
+// mmHg, m/s, N in the world (RAS) frame. A file appears under its name only when it is complete, and a .pvd names only files that
+// exist.
 
 #include <array>
 #include <filesystem>
@@ -23,8 +24,8 @@ struct SolverFrame {
   Mat3 axes = Mat3::Identity();
 };
 
-/// Leaflets at one instant, SI, solver frame. Vectors are xyz-interleaved, three numbers per mesh point. Any span but `positions` may
-/// be empty, and its array is then left out of the file. Per element: mean over its quadrature points.
+/// Leaflets at one instant, SI, solver frame. Vectors are xyz-interleaved, three numbers per mesh point. Any span but `positions`
+/// may be empty, and its array is then left out of the file. Per element: mean over its quadrature points.
 struct LeafletsState {
   double time = 0;                            // s
   std::span<const double> positions;          // m, 3 per point
@@ -37,7 +38,8 @@ struct LeafletsState {
   std::span<const double> volume_ratios;      // J per element
 };
 
-/// Chordae at one instant: positions of all Chordae::points (m, xyz-interleaved, solver frame), tension per segment (N; may be empty).
+/// Chordae at one instant: positions of all Chordae::points (m, xyz-interleaved, solver frame), tension per segment (N; may be
+/// empty).
 struct ChordaeState {
   double time = 0;
   std::span<const double> positions;
@@ -69,8 +71,8 @@ struct PvdEntry {
 
 class FrameWriter {
  public:
-  /// `results` is created with its folder frames/. mesh, chordae and annulus must outlive the writer. A fresh run (resume_time < 0)
-  /// removes frames and collections of an earlier run; a resumed one keeps the frames up to resume_time and drops later ones.
+  /// `results` is created with its folder frames/. mesh, chordae and annulus must outlive the writer. A fresh run (resume_time <
+  /// 0) removes frames and collections of an earlier run; a resumed one keeps the frames up to resume_time and drops later ones.
   /// Throws IoError.
   FrameWriter(std::filesystem::path results, const LeafletMesh& mesh, const Chordae& chordae, const Annulus& annulus,
               const SolverFrame& frame, double resume_time = -1);
@@ -88,7 +90,8 @@ class FrameWriter {
     std::vector<PvdEntry> entries;
   };
   void open_collection(Collection& collection, double resume_time);
-  std::filesystem::path store(Collection& collection, double time, const std::function<void(const std::filesystem::path&)>& write);
+  std::filesystem::path store(Collection& collection, double time,
+                              const std::function<void(const std::filesystem::path&)>& write);
 
   std::filesystem::path results_;
   const LeafletMesh& mesh_;

@@ -80,16 +80,40 @@ struct Column {
 };
 
 const std::vector<Column>& series_layout() {
-#define MV_COLUMN(name) {#name, &SeriesRow::name}
-  static const std::vector<Column> layout{
-      MV_COLUMN(time_s), MV_COLUMN(dt_s), MV_COLUMN(limiter), MV_COLUMN(pressure_difference_mmHg), MV_COLUMN(flow_ml_s),
-      MV_COLUMN(volume_ml), MV_COLUMN(leak_net_ml_s), MV_COLUMN(contact_force_N), MV_COLUMN(contact_penalty_N),
-      MV_COLUMN(contact_film_N), MV_COLUMN(contact_area_mm2), MV_COLUMN(penetration_max_mm), MV_COLUMN(papillary_force_0_N),
-      MV_COLUMN(papillary_force_1_N), MV_COLUMN(chordae_primary_N), MV_COLUMN(chordae_secondary_N), MV_COLUMN(peak_velocity_m_s),
-      MV_COLUMN(divergence_max), MV_COLUMN(kinetic_J), MV_COLUMN(elastic_J), MV_COLUMN(chordae_elastic_J),
-      MV_COLUMN(work_pressure_J), MV_COLUMN(viscous_loss_J), MV_COLUMN(advection_loss_J), MV_COLUMN(friction_loss_J),
-      MV_COLUMN(damping_loss_J), MV_COLUMN(boundary_kinetic_J), MV_COLUMN(energy_residual_relative), MV_COLUMN(J_min),
-      MV_COLUMN(J_max), MV_COLUMN(distortion_controlled_fraction), MV_COLUMN(solid_volume_drift)};
+#define MV_COLUMN(name) \
+  { #name, &SeriesRow::name }
+  static const std::vector<Column> layout{MV_COLUMN(time_s),
+                                          MV_COLUMN(dt_s),
+                                          MV_COLUMN(limiter),
+                                          MV_COLUMN(pressure_difference_mmHg),
+                                          MV_COLUMN(flow_ml_s),
+                                          MV_COLUMN(volume_ml),
+                                          MV_COLUMN(leak_net_ml_s),
+                                          MV_COLUMN(contact_force_N),
+                                          MV_COLUMN(contact_penalty_N),
+                                          MV_COLUMN(contact_film_N),
+                                          MV_COLUMN(contact_area_mm2),
+                                          MV_COLUMN(penetration_max_mm),
+                                          MV_COLUMN(papillary_force_0_N),
+                                          MV_COLUMN(papillary_force_1_N),
+                                          MV_COLUMN(chordae_primary_N),
+                                          MV_COLUMN(chordae_secondary_N),
+                                          MV_COLUMN(peak_velocity_m_s),
+                                          MV_COLUMN(divergence_max),
+                                          MV_COLUMN(kinetic_J),
+                                          MV_COLUMN(elastic_J),
+                                          MV_COLUMN(chordae_elastic_J),
+                                          MV_COLUMN(work_pressure_J),
+                                          MV_COLUMN(viscous_loss_J),
+                                          MV_COLUMN(advection_loss_J),
+                                          MV_COLUMN(friction_loss_J),
+                                          MV_COLUMN(damping_loss_J),
+                                          MV_COLUMN(boundary_kinetic_J),
+                                          MV_COLUMN(energy_residual_relative),
+                                          MV_COLUMN(J_min),
+                                          MV_COLUMN(J_max),
+                                          MV_COLUMN(distortion_controlled_fraction),
+                                          MV_COLUMN(solid_volume_drift)};
 #undef MV_COLUMN
   return layout;
 }
@@ -116,7 +140,8 @@ CsvWriter::CsvWriter(fs::path file, std::vector<std::string> columns, double res
     const std::string earlier = read_file(file_);
     const auto lines = complete_lines(earlier);
     if (lines.empty() || std::string(lines[0]) + "\n" != text)
-      throw InputError(file_.string() + ": its columns are not those of this version; start the run afresh or move the file away");
+      throw InputError(file_.string() +
+                       ": its columns are not those of this version; start the run afresh or move the file away");
     for (std::size_t i = 1; i < lines.size(); ++i) {
       const double time = to_number(lines[i].substr(0, lines[i].find(',')));
       if (!(time <= resume_time + time_tolerance)) break;
@@ -138,8 +163,8 @@ CsvWriter::~CsvWriter() {
 
 void CsvWriter::append(std::span<const std::string> cells) {
   if (cells.size() != columns_.size())
-    throw std::logic_error(file_.string() + ": row of " + std::to_string(cells.size()) + " cells for " + std::to_string(columns_.size()) +
-                           " columns");
+    throw std::logic_error(file_.string() + ": row of " + std::to_string(cells.size()) + " cells for " +
+                           std::to_string(columns_.size()) + " columns");
   const std::string line = joined(cells);
   struct stat before {};
   if (::fstat(descriptor_, &before) != 0) fail(file_, "cannot read its size");
@@ -237,8 +262,8 @@ CsvTable read_csv(const fs::path& file) {
     }
     table.rows.push_back(split(line));
     if (table.rows.back().size() != table.columns.size())
-      throw InputError(file.string() + ": row " + std::to_string(table.rows.size()) + " has " + std::to_string(table.rows.back().size()) +
-                       " cells, the header " + std::to_string(table.columns.size()));
+      throw InputError(file.string() + ": row " + std::to_string(table.rows.size()) + " has " +
+                       std::to_string(table.rows.back().size()) + " cells, the header " + std::to_string(table.columns.size()));
   }
   if (table.columns.empty()) throw InputError(file.string() + ": no header line (empty or damaged)");
   return table;

@@ -19,9 +19,9 @@ namespace mv {
 /// Append-only CSV file whose first column is time in seconds.
 class CsvWriter {
  public:
-  /// resume_time < 0: a new file with a header (an old one is replaced). Otherwise the existing file keeps its header and the rows
-  /// with time <= resume_time; later rows and an incomplete last line are cut off. Throws IoError, and InputError when the header
-  /// found is not `columns`.
+  /// resume_time < 0: a new file with a header (an old one is replaced). Otherwise the existing file keeps its header and the
+  /// rows with time <= resume_time; later rows and an incomplete last line are cut off. Throws IoError, and InputError when the
+  /// header found is not `columns`.
   CsvWriter(std::filesystem::path file, std::vector<std::string> columns, double resume_time = -1);
   ~CsvWriter();
   CsvWriter(CsvWriter&& other) noexcept;
@@ -43,7 +43,8 @@ class CsvWriter {
 /// Shortest decimal text that reads back as the same double; "nan" and "inf" as such.
 std::string format_number(double value);
 
-/// One row of series.csv in file units (the names carry them). A quantity that a scene leaves out stays NaN and gives an empty cell.
+/// One row of series.csv in file units (the names carry them). A quantity that a scene leaves out stays NaN and gives an empty
+/// cell.
 struct SeriesRow {
   static constexpr double unset = std::numeric_limits<double>::quiet_NaN();
   double time_s = unset;
@@ -115,7 +116,7 @@ struct CsvTable {
   std::vector<std::vector<std::string>> rows;
 
   bool has(std::string_view column) const;
-  std::vector<double> numbers(std::string_view column) const;      // NaN for each row when there is no such column
+  std::vector<double> numbers(std::string_view column) const;  // NaN for each row when there is no such column
   std::vector<std::string> texts(std::string_view column) const;
 };
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Private to this folder's .cpp files: arrays from a rule, in single precision where a picture is all they are for, each with its unit.
+// Private to this folder's .cpp files: arrays from a rule, in single precision where a picture is all they are for, each with its
+// unit.
 
 #include <vtkCellData.h>
 #include <vtkDataSet.h>
@@ -42,8 +43,8 @@ inline void add_header(vtkDataSet* data, double time) {
 
 /// Array `name` of `count` entries value(i), numbers for one component, Eigen vectors for more.
 template <class Array, class Value>
-void add_array(vtkDataSet* data, vtkFieldData* where, const std::string& name, const std::string& unit, int components, std::size_t count,
-               Value&& value) {
+void add_array(vtkDataSet* data, vtkFieldData* where, const std::string& name, const std::string& unit, int components,
+               std::size_t count, Value&& value) {
   vtkNew<Array> array;
   array->SetName(name.c_str());
   array->SetNumberOfComponents(components);

@@ -8,10 +8,12 @@
 
 namespace mv {
 
-/// Colour maps that keep their order in grey and for colour-blind readers: viridis (S. van der Walt, N. Smith, CC0) for contact, cividis
-/// (Nunez, Anderton, Renslow 2018, doi 10.1371/journal.pone.0199239) for stress. Stops evenly spaced over [0, 1].
-inline constexpr unsigned viridis_stops[] = {0x440154, 0x482878, 0x3e4989, 0x31688e, 0x26828e, 0x1f9e89, 0x35b779, 0x6ece58, 0xb5de2b, 0xfde725};
-inline constexpr unsigned cividis_stops[] = {0x00224e, 0x123570, 0x3b496c, 0x575d6d, 0x707173, 0x8a8678, 0xa59c74, 0xc3b369, 0xe1cc55, 0xfee838};
+/// Colour maps that keep their order in grey and for colour-blind readers: viridis (S. van der Walt, N. Smith, CC0) for contact,
+/// cividis (Nunez, Anderton, Renslow 2018, doi 10.1371/journal.pone.0199239) for stress. Stops evenly spaced over [0, 1].
+inline constexpr unsigned viridis_stops[] = {0x440154, 0x482878, 0x3e4989, 0x31688e, 0x26828e,
+                                             0x1f9e89, 0x35b779, 0x6ece58, 0xb5de2b, 0xfde725};
+inline constexpr unsigned cividis_stops[] = {0x00224e, 0x123570, 0x3b496c, 0x575d6d, 0x707173,
+                                             0x8a8678, 0xa59c74, 0xc3b369, 0xe1cc55, 0xfee838};
 
 inline Rgb rgb(unsigned hex) {
   return Rgb(static_cast<float>(hex >> 16 & 255), static_cast<float>(hex >> 8 & 255), static_cast<float>(hex & 255)) / 255.0f;

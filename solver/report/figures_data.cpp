@@ -14,8 +14,8 @@ namespace mv {
 namespace {
 
 constexpr std::size_t most_rows = 2000;
-constexpr double map_step = 0.3;         // mm
-constexpr double end_window = 0.05;      // s, the chordae's forces "at the end" are means over it
+constexpr double map_step = 0.3;     // mm
+constexpr double end_window = 0.05;  // s, the chordae's forces "at the end" are means over it
 
 /// Null for what is not finite.
 Json rounded(double value, int digits = 5) {
@@ -50,8 +50,10 @@ struct ChordaName {
 bool parse_chorda(const std::string& column, ChordaName& name) {
   std::vector<std::string> parts(1);
   for (char c : column) {
-    if (c == '_') parts.emplace_back();
-    else parts.back() += c;
+    if (c == '_')
+      parts.emplace_back();
+    else
+      parts.back() += c;
   }
   if (parts.size() != 5 || parts[4] != "N") return false;
   name = {parts[0], parts[1], parts[2], parts[3]};
@@ -91,14 +93,19 @@ Json chordae_data(const CsvTable& table, const Json& muscles) {
       }
     }
     const int muscle = std::atoi(name.muscle.c_str() + 1);
-    bars.push_back({{"label", name.number}, {"kind", group_of(name.kind)}, {"force", rounded(rows_at_end > 0 ? at_end / rows_at_end : NAN, 4)}, {"leaflet", name.leaflet},
-                    {"muscle", muscle < static_cast<int>(muscles.size()) ? muscles[static_cast<std::size_t>(muscle)] : Json("muscle " + std::to_string(muscle))}});
+    bars.push_back({{"label", name.number},
+                    {"kind", group_of(name.kind)},
+                    {"force", rounded(rows_at_end > 0 ? at_end / rows_at_end : NAN, 4)},
+                    {"leaflet", name.leaflet},
+                    {"muscle", muscle < static_cast<int>(muscles.size()) ? muscles[static_cast<std::size_t>(muscle)]
+                                                                         : Json("muscle " + std::to_string(muscle))}});
   }
   if (groups.empty()) return nullptr;
   Json out;
   out["time_ms"] = column(time, 1e3);
   for (auto& [kind, g] : groups)
-    out["groups"][kind] = {{"count", g.count}, {"mean", column(g.sum, 1.0 / g.count)}, {"min", column(g.lowest)}, {"max", column(g.highest)}};
+    out["groups"][kind] = {
+        {"count", g.count}, {"mean", column(g.sum, 1.0 / g.count)}, {"min", column(g.lowest)}, {"max", column(g.highest)}};
   out["bars"] = std::move(bars);
   return out;
 }
@@ -143,18 +150,22 @@ Json map_data(const ContactMap& map, const MapView& view, double pressure_scale)
   out["commissures"] = lines_of(view.commissures);
   out["labels"] = Json::array();
   for (const MapLabel& label : view.labels)
-    out["labels"].push_back({{"name", label.name}, {"u", rounded(label.u)}, {"v", rounded(label.v)}, {"commissure", label.is_commissure}});
+    out["labels"].push_back(
+        {{"name", label.name}, {"u", rounded(label.u)}, {"v", rounded(label.v)}, {"commissure", label.is_commissure}});
   return out;
 }
 
-/// Where a hole is on the map: u of the atrial points nearest to its place in the last frame, one on each leaflet that borders on it
-/// (no more than `border` mm further away than the nearer one). Empty when its place is not known.
+/// Where a hole is on the map: u of the atrial points nearest to its place in the last frame, one on each leaflet that borders on
+/// it (no more than `border` mm further away than the nearer one). Empty when its place is not known.
 Json places_on_map(const ResultsData& data, const Json& hole) {
   constexpr double border = 3;
   Json places = Json::array();
-  if (!data.map || !data.frames.closed || !hole.contains("place_mm") || !hole["place_mm"].is_array() || hole["place_mm"].size() != 3) return places;
+  if (!data.map || !data.frames.closed || !hole.contains("place_mm") || !hole["place_mm"].is_array() ||
+      hole["place_mm"].size() != 3)
+    return places;
   Vec3 place;
-  for (std::size_t k = 0; k < 3; ++k) place[static_cast<Eigen::Index>(k)] = hole["place_mm"][k].is_number() ? hole["place_mm"][k].get<double>() : NAN;
+  for (std::size_t k = 0; k < 3; ++k)
+    place[static_cast<Eigen::Index>(k)] = hole["place_mm"][k].is_number() ? hole["place_mm"][k].get<double>() : NAN;
   const auto& points = data.frames.closed->mesh.points;
   std::map<int, std::pair<double, double>> nearest;  // region -> distance, u
   for (std::size_t i = 0; i < data.map->points.size(); ++i) {
@@ -189,7 +200,8 @@ Json figure_data(const ResultsData& data, const std::optional<MapView>& view, do
     out["limiter"] = Json::array();
     for (std::size_t i = 0; i < limiter.size(); i += stride_of(limiter.size())) out["limiter"].push_back(spaced(limiter[i]));
   }
-  if (const Json& closing = json_at(data.summary, "flow.closing_time_s"); closing.is_number()) out["closing_ms"] = rounded(1e3 * closing.get<double>());
+  if (const Json& closing = json_at(data.summary, "flow.closing_time_s"); closing.is_number())
+    out["closing_ms"] = rounded(1e3 * closing.get<double>());
   if (data.chordae && !data.chordae->rows.empty()) {
     Json chordae = chordae_data(*data.chordae, out["papillary"]);
     if (!chordae.is_null()) out["chordae"] = std::move(chordae);
@@ -197,10 +209,12 @@ Json figure_data(const ResultsData& data, const std::optional<MapView>& view, do
   if (data.map && view) out["map"] = map_data(*data.map, *view, pressure_scale);
   if (const Json& holes = json_at(data.summary, "seal.holes"); holes.is_array())
     for (const Json& hole : holes)
-      if (hole.is_object() && hole.contains("area_mm2")) out["holes"].push_back({{"u", places_on_map(data, hole)}, {"area", html::number(hole.value("area_mm2", NAN))}});
+      if (hole.is_object() && hole.contains("area_mm2"))
+        out["holes"].push_back({{"u", places_on_map(data, hole)}, {"area", html::number(hole.value("area_mm2", NAN))}});
   if (const Json& gaps = json_at(data.summary, "contact.belt_interruptions"); gaps.is_array())
     for (const Json& gap : gaps)
-      if (gap.is_object() && gap.contains("u_from_mm") && gap.contains("u_to_mm")) out["interruptions"].push_back({{"from", gap["u_from_mm"]}, {"to", gap["u_to_mm"]}});
+      if (gap.is_object() && gap.contains("u_from_mm") && gap.contains("u_to_mm"))
+        out["interruptions"].push_back({{"from", gap["u_from_mm"]}, {"to", gap["u_to_mm"]}});
   return out;
 }
 

@@ -67,7 +67,8 @@ std::vector<MapLine> contour(const ContactMap& map, const std::vector<char>& fla
   for (const auto& t : map.triangles) {
     std::vector<Edge> cut;
     for (std::size_t k = 0; k < 3; ++k)
-      if ((flag[static_cast<std::size_t>(t[k])] != 0) != (flag[static_cast<std::size_t>(t[(k + 1) % 3])] != 0)) cut.push_back(edge_of(t[k], t[(k + 1) % 3]));
+      if ((flag[static_cast<std::size_t>(t[k])] != 0) != (flag[static_cast<std::size_t>(t[(k + 1) % 3])] != 0))
+        cut.push_back(edge_of(t[k], t[(k + 1) % 3]));
     if (cut.size() == 2) segments.emplace_back(cut[0], cut[1]);
   }
   return chain(segments, [&](const Edge& e) {
@@ -106,15 +107,16 @@ struct Profile {
     height.assign(static_cast<std::size_t>(grid.columns), 0.0);
     for (int j = 0; j < grid.rows; ++j)
       for (int i = 0; i < grid.columns; ++i)
-        if (grid.region[static_cast<std::size_t>(j * grid.columns + i)] != 0) height[static_cast<std::size_t>(i)] = grid.v0 + step * j;
+        if (grid.region[static_cast<std::size_t>(j * grid.columns + i)] != 0)
+          height[static_cast<std::size_t>(i)] = grid.v0 + step * j;
   }
   double at(double u) const {
     return height[static_cast<std::size_t>(std::clamp((u - u0) / step, 0.0, static_cast<double>(height.size() - 1)))];
   }
 };
 
-/// Middles of the scallops between u0 and u1: the profile is cut at its notches, which lie at least a sixth of its height below the
-/// crests on both sides.
+/// Middles of the scallops between u0 and u1: the profile is cut at its notches, which lie at least a sixth of its height below
+/// the crests on both sides.
 std::vector<double> scallop_middles(const Profile& profile, double u0, double u1) {
   std::vector<double> h;
   for (double u = u0 + Profile::step / 2; u < u1; u += Profile::step) h.push_back(profile.at(u));
@@ -141,9 +143,10 @@ std::vector<double> scallop_middles(const Profile& profile, double u0, double u1
   return middles;
 }
 
-/// +1 when u grows from the anterolateral to the posteromedial commissure along the anterior leaflet, -1 the other way, 0 unknown.
-int direction_from_anterolateral(const ContactMap& map, const std::array<double, 2>& range, const std::optional<LeafletsFrame>& open,
-                                 const std::optional<ChordaeFrame>& chordae) {
+/// +1 when u grows from the anterolateral to the posteromedial commissure along the anterior leaflet, -1 the other way, 0
+/// unknown.
+int direction_from_anterolateral(const ContactMap& map, const std::array<double, 2>& range,
+                                 const std::optional<LeafletsFrame>& open, const std::optional<ChordaeFrame>& chordae) {
   if (!open || !chordae || map.mesh_point.size() != map.points.size()) return 0;
   const Vec3* tip = nullptr;
   bool has_two = false;
@@ -175,7 +178,8 @@ double round_up_nicely(double x) {
   return 10 * power;
 }
 
-MapView make_map_view(const ContactMap& map, const std::optional<LeafletsFrame>& open, const std::optional<ChordaeFrame>& chordae) {
+MapView make_map_view(const ContactMap& map, const std::optional<LeafletsFrame>& open,
+                      const std::optional<ChordaeFrame>& chordae) {
   MapView view;
   view.lower = view.upper = map.points[0];
   for (const Vec2& p : map.points) {
@@ -241,17 +245,21 @@ MapGrid sample_map(const ContactMap& map, double step) {
     const double area = e1.x() * e2.y() - e1.y() * e2.x();
     if (area == 0) continue;
     const Vec2 lo = p(0).cwiseMin(p(1)).cwiseMin(p(2)), hi = p(0).cwiseMax(p(1)).cwiseMax(p(2));
-    const int i0 = std::max(0, static_cast<int>(std::floor((lo.x() - grid.u0) / step))), i1 = std::min(grid.columns - 1, static_cast<int>(std::ceil((hi.x() - grid.u0) / step)));
-    const int j0 = std::max(0, static_cast<int>(std::floor((lo.y() - grid.v0) / step))), j1 = std::min(grid.rows - 1, static_cast<int>(std::ceil((hi.y() - grid.v0) / step)));
+    const int i0 = std::max(0, static_cast<int>(std::floor((lo.x() - grid.u0) / step))),
+              i1 = std::min(grid.columns - 1, static_cast<int>(std::ceil((hi.x() - grid.u0) / step)));
+    const int j0 = std::max(0, static_cast<int>(std::floor((lo.y() - grid.v0) / step))),
+              j1 = std::min(grid.rows - 1, static_cast<int>(std::ceil((hi.y() - grid.v0) / step)));
     for (int j = j0; j <= j1; ++j)
       for (int i = i0; i <= i1; ++i) {
         const Vec2 d = Vec2(grid.u0 + step * i, grid.v0 + step * j) - p(0);
-        const double w1 = (d.x() * e2.y() - d.y() * e2.x()) / area, w2 = (e1.x() * d.y() - e1.y() * d.x()) / area, w0 = 1 - w1 - w2;
+        const double w1 = (d.x() * e2.y() - d.y() * e2.x()) / area, w2 = (e1.x() * d.y() - e1.y() * d.x()) / area,
+                     w0 = 1 - w1 - w2;
         constexpr double edge = -1e-9;
         if (w0 < edge || w1 < edge || w2 < edge) continue;
         const std::array<double, 3> w{w0, w1, w2};
         const auto cell = static_cast<std::size_t>(j) * static_cast<std::size_t>(grid.columns) + static_cast<std::size_t>(i);
-        const auto nearest = static_cast<std::size_t>(t[static_cast<std::size_t>(std::max_element(w.begin(), w.end()) - w.begin())]);
+        const auto nearest =
+            static_cast<std::size_t>(t[static_cast<std::size_t>(std::max_element(w.begin(), w.end()) - w.begin())]);
         // contact ends half way between a point with pressure and one without, as the belt's outline is drawn
         double pressure = 0, touching = 0;
         for (std::size_t k = 0; k < 3; ++k) {

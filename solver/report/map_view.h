@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// What a reader needs to find his way on the unfolded valve: outline, outline of the belt, names of scallops and commissures, and the
-// map's values on a regular grid.
+// What a reader needs to find his way on the unfolded valve: outline, outline of the belt, names of scallops and commissures, and
+// the map's values on a regular grid.
 
 #include <optional>
 #include <string>
@@ -14,8 +14,8 @@
 namespace mv {
 
 struct MapLabel {
-  std::string name;      // "A2", "P1", "anterolateral commissure"
-  double u = 0, v = 0;   // mm, middle of the part; v = 0 for a commissure
+  std::string name;     // "A2", "P1", "anterolateral commissure"
+  double u = 0, v = 0;  // mm, middle of the part; v = 0 for a commissure
   bool is_commissure = false;
 };
 
@@ -24,11 +24,11 @@ using MapLine = std::vector<Vec2>;
 
 /// Values on cells of size `step`, row by row in v, NaN outside the leaflets.
 struct MapGrid {
-  double u0 = 0, v0 = 0, step = 0;   // middle of the first cell, mm
+  double u0 = 0, v0 = 0, step = 0;  // middle of the first cell, mm
   int columns = 0, rows = 0;
-  std::vector<double> pressure;      // kPa
-  std::vector<double> gap;           // mm
-  std::vector<int> region;           // 0 outside
+  std::vector<double> pressure;  // kPa
+  std::vector<double> gap;       // mm
+  std::vector<int> region;       // 0 outside
 };
 
 struct MapView {
@@ -39,9 +39,10 @@ struct MapView {
   std::vector<MapLabel> labels;
 };
 
-/// `open` and `chordae` (at rest) tell the anterolateral end: the commissure nearer to muscle 0. Without them parts are numbered along u
-/// and commissures stay unnamed.
-MapView make_map_view(const ContactMap& map, const std::optional<LeafletsFrame>& open, const std::optional<ChordaeFrame>& chordae);
+/// `open` and `chordae` (at rest) tell the anterolateral end: the commissure nearer to muscle 0. Without them parts are numbered
+/// along u and commissures stay unnamed.
+MapView make_map_view(const ContactMap& map, const std::optional<LeafletsFrame>& open,
+                      const std::optional<ChordaeFrame>& chordae);
 
 MapGrid sample_map(const ContactMap& map, double step);
 

@@ -22,6 +22,7 @@ struct Scales {
 };
 
 /// The whole page.
-std::string make_page(const ResultsData& data, const std::optional<MapView>& view, const std::vector<Picture>& pictures, const Scales& scales);
+std::string make_page(const ResultsData& data, const std::optional<MapView>& view, const std::vector<Picture>& pictures,
+                      const Scales& scales);
 
 }  // namespace mv

@@ -17,9 +17,9 @@ namespace mv {
 namespace {
 
 constexpr int picture_width = 900, picture_height = 720;
-constexpr double eye_distance = 300;   // mm: a little perspective separates near from far
+constexpr double eye_distance = 300;  // mm: a little perspective separates near from far
 constexpr double annulus_radius = 0.45, edge_radius = 0.16, chorda_radius = 0.3, tip_radius = 1.3;  // mm
-constexpr double letter_height = 1.7;  // mm
+constexpr double letter_height = 1.7;                                                               // mm
 
 /// The valve's own directions and middle.
 struct ValveAxes {
@@ -29,7 +29,8 @@ struct ValveAxes {
 std::vector<int> element_of_point(const LeafletMesh& mesh) {
   std::vector<int> element(mesh.points.size(), -1);
   for (std::size_t e = 0; e < mesh.tets.size(); ++e)
-    for (int k = 0; k < mesh.nodes_per_tet(); ++k) element[static_cast<std::size_t>(mesh.tets[e][static_cast<std::size_t>(k)])] = static_cast<int>(e);
+    for (int k = 0; k < mesh.nodes_per_tet(); ++k)
+      element[static_cast<std::size_t>(mesh.tets[e][static_cast<std::size_t>(k)])] = static_cast<int>(e);
   return element;
 }
 
@@ -86,7 +87,8 @@ std::vector<Rgb> stress_colours(const LeafletsFrame& frame, double scale) {
       count[p] += 1;
     }
   std::vector<Rgb> colour;
-  for (std::size_t p = 0; p < sum.size(); ++p) colour.push_back(map_colour(cividis_stops, sum[p] / std::max(1.0, count[p]) / scale));
+  for (std::size_t p = 0; p < sum.size(); ++p)
+    colour.push_back(map_colour(cividis_stops, sum[p] / std::max(1.0, count[p]) / scale));
   return colour;
 }
 
@@ -104,7 +106,8 @@ std::array<ColouredMesh, 2> leaflet_surface(const LeafletsFrame& frame, Paint pa
       parts[0].cover.push_back(p > 0 ? 1.0f : 0.0f);
     }
   for (const auto& t : boundary_faces(mesh).triangles) {
-    const bool is_atrial = std::all_of(t.begin(), t.end(), [&](int p) { return mesh.side[static_cast<std::size_t>(p)] == atrial; });
+    const bool is_atrial =
+        std::all_of(t.begin(), t.end(), [&](int p) { return mesh.side[static_cast<std::size_t>(p)] == atrial; });
     parts[is_atrial ? 0 : 1].triangles.push_back(t);
   }
   return parts;
@@ -114,7 +117,8 @@ std::array<ColouredMesh, 2> leaflet_surface(const LeafletsFrame& frame, Paint pa
 ColouredMesh cut_face(const LeafletsFrame& frame, const Vec3& origin, const Vec3& normal) {
   // a quadratic element is cut as eight linear ones
   constexpr int whole[1][4] = {{0, 1, 2, 3}};
-  constexpr int eight[8][4] = {{0, 4, 6, 7}, {4, 1, 5, 8}, {6, 5, 2, 9}, {7, 8, 9, 3}, {4, 5, 6, 8}, {4, 6, 7, 8}, {5, 9, 6, 8}, {6, 9, 7, 8}};
+  constexpr int eight[8][4] = {{0, 4, 6, 7}, {4, 1, 5, 8}, {6, 5, 2, 9}, {7, 8, 9, 3},
+                               {4, 5, 6, 8}, {4, 6, 7, 8}, {5, 9, 6, 8}, {6, 9, 7, 8}};
   ColouredMesh out;
   const LeafletMesh& mesh = frame.mesh;
   const int parts = mesh.order == 2 ? 8 : 1;
@@ -167,7 +171,8 @@ ColouredMesh chordae_mesh(const ChordaeFrame& chordae) {
   ColouredMesh mesh;
   for (std::size_t s = 0; s < chordae.segments.size(); ++s) {
     const bool is_primary = chordae.kind[s] == ChordaKind::primary || chordae.kind[s] == ChordaKind::marginal;
-    const std::array<Vec3, 2> line{chordae.points[static_cast<std::size_t>(chordae.segments[s][0])], chordae.points[static_cast<std::size_t>(chordae.segments[s][1])]};
+    const std::array<Vec3, 2> line{chordae.points[static_cast<std::size_t>(chordae.segments[s][0])],
+                                   chordae.points[static_cast<std::size_t>(chordae.segments[s][1])]};
     append(mesh, make_tube(line, chorda_radius, is_primary ? primary_colour : secondary_colour));
   }
   for (std::size_t i = 0; i < chordae.points.size(); ++i)
@@ -234,8 +239,10 @@ Image draw_view(const Scene& scene, View view, Paint paint, double scale) {
 
   const LeafletMesh& mesh = scene.leaflets.mesh;
   const auto draw = [&](const ColouredMesh& part) {
-    if (view == View::cut) canvas.draw(clip(part, axes.centre, axes.right));
-    else canvas.draw(part);
+    if (view == View::cut)
+      canvas.draw(clip(part, axes.centre, axes.right));
+    else
+      canvas.draw(part);
   };
   for (const ColouredMesh& part : leaflet_surface(scene.leaflets, paint, scale)) draw(part);
   draw(make_tube(annulus_line(mesh), annulus_radius, ink_colour, true));
@@ -248,7 +255,8 @@ Image draw_view(const Scene& scene, View view, Paint paint, double scale) {
     write_centred(canvas, "atrium", 0, top, letter_height);
     write_centred(canvas, "ventricle", 0, bottom, letter_height);
     canvas.draw_over(lettering("anterior", Vec2(-canvas.half_width() + 1, top), letter_height));
-    canvas.draw_over(lettering("posterior", Vec2(canvas.half_width() - 1 - text_width("posterior", letter_height), top), letter_height));
+    canvas.draw_over(
+        lettering("posterior", Vec2(canvas.half_width() - 1 - text_width("posterior", letter_height), top), letter_height));
   } else {
     write_centred(canvas, "anterior", 0, top, letter_height);
     write_centred(canvas, "posterior", 0, bottom, letter_height);
@@ -302,9 +310,12 @@ std::vector<Picture> draw_valve(const ValveFrames& frames, double pressure_scale
   const Framing from_ventricle = frame_points(all, -axes.right, axes.front, axes.centre);
   const Framing side = frame_points(all, -axes.front, axes.up, axes.centre);
 
-  const auto add = [&](const LeafletsFrame& frame, const std::optional<ChordaeFrame>& chordae, const std::string& name, const std::string& what,
-                       Paint paint, double scale, View view) {
-    const Scene scene{frame, chordae ? &*chordae : nullptr, axes, view == View::atrium ? from_atrium : view == View::ventricle ? from_ventricle : side};
+  const auto add = [&](const LeafletsFrame& frame, const std::optional<ChordaeFrame>& chordae, const std::string& name,
+                       const std::string& what, Paint paint, double scale, View view) {
+    const Scene scene{frame, chordae ? &*chordae : nullptr, axes,
+                      view == View::atrium      ? from_atrium
+                      : view == View::ventricle ? from_ventricle
+                                                : side};
     pictures.push_back(finished(name, what, draw_view(scene, view, paint, scale)));
   };
   const auto three = [&](const LeafletsFrame& frame, const std::optional<ChordaeFrame>& chordae, const std::string& state) {
@@ -362,7 +373,8 @@ Picture draw_contact_map(const ContactMap& map, const MapView& view, double pres
     }
     const std::string name = label.name.substr(0, label.name.find(' '));
     const double half = text_width(name, 0.75 * letters) / 2;
-    write_centred(canvas, name, std::clamp(p.x(), -half_width + half + 0.5, half_width - half - 0.5), p.y() + 1.4, 0.75 * letters);
+    write_centred(canvas, name, std::clamp(p.x(), -half_width + half + 0.5, half_width - half - 0.5), p.y() + 1.4,
+                  0.75 * letters);
   }
 
   const double base = -half_height + 3.2;
@@ -374,8 +386,10 @@ Picture draw_contact_map(const ContactMap& map, const MapView& view, double pres
   const Vec2 scale(half_width - margin - length - 4, base);
   for (int i = 0; i < steps; ++i)
     canvas.draw_over(rectangle(scale + Vec2(length * i / steps, 0), scale + Vec2(length * (i + 1) / steps, thickness),
-                               map_colour(viridis_stops, static_cast<double>(i) / steps), map_colour(viridis_stops, (i + 1.0) / steps)));
-  for (int i = 0; i <= 2; ++i) write_centred(canvas, number(pressure_scale * i / 2), scale.x() + length * i / 2, base - 2.2, 0.75 * letters);
+                               map_colour(viridis_stops, static_cast<double>(i) / steps),
+                               map_colour(viridis_stops, (i + 1.0) / steps)));
+  for (int i = 0; i <= 2; ++i)
+    write_centred(canvas, number(pressure_scale * i / 2), scale.x() + length * i / 2, base - 2.2, 0.75 * letters);
   write_centred(canvas, "contact pressure, kPa", scale.x() + length / 2, base + thickness + 0.9, 0.75 * letters);
   Finish plain;
   plain.outline_step = plain.valley_strength = 0;

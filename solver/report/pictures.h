@@ -13,20 +13,21 @@
 namespace mv {
 
 struct ValveFrames {
-  std::optional<LeafletsFrame> open, closed;          // first and last
+  std::optional<LeafletsFrame> open, closed;  // first and last
   std::optional<ChordaeFrame> open_chordae, closed_chordae;
 };
 
 struct Picture {
-  std::string name;      // file name without .png
+  std::string name;  // file name without .png
   std::string caption;
   Image image;
-  std::string png;       // the image as a file
+  std::string png;  // the image as a file
 };
 
-/// open_atrial, open_ventricular, open_cut, closed_atrial, closed_ventricular, closed_cut, and stress_atrial, stress_ventricular when the frame
-/// has von Mises stresses. A pressure_scale of 0 draws no contact. Views from the atrium have the anterior leaflet at the top; the cut runs through the middle of both
-/// leaflets. Contact pressure is drawn in viridis up to `pressure_scale` kPa, stress in cividis up to `stress_scale` kPa.
+/// open_atrial, open_ventricular, open_cut, closed_atrial, closed_ventricular, closed_cut, and stress_atrial, stress_ventricular
+/// when the frame has von Mises stresses. A pressure_scale of 0 draws no contact. Views from the atrium have the anterior leaflet
+/// at the top; the cut runs through the middle of both leaflets. Contact pressure is drawn in viridis up to `pressure_scale` kPa,
+/// stress in cividis up to `stress_scale` kPa.
 std::vector<Picture> draw_valve(const ValveFrames& frames, double pressure_scale, double stress_scale);
 
 /// The contact map with belt, names, scale and colour bar.

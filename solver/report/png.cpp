@@ -20,7 +20,8 @@ void put_chunk(std::string& out, const std::string& type, const std::string& dat
   put32(out, static_cast<std::uint32_t>(data.size()));
   const std::string body = type + data;
   out += body;
-  put32(out, static_cast<std::uint32_t>(crc32(crc32(0, nullptr, 0), reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()))));
+  put32(out, static_cast<std::uint32_t>(
+                 crc32(crc32(0, nullptr, 0), reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()))));
 }
 
 int paeth(int a, int b, int c) {
@@ -36,7 +37,8 @@ std::string filtered_row(const unsigned char* row, const unsigned char* above, i
     line[0] = static_cast<char>(filter);
     long cost = 0;
     for (int i = 0; i < bytes; ++i) {
-      const int left = i >= 3 ? row[i - 3] : 0, up = above != nullptr ? above[i] : 0, corner = i >= 3 && above != nullptr ? above[i - 3] : 0;
+      const int left = i >= 3 ? row[i - 3] : 0, up = above != nullptr ? above[i] : 0,
+                corner = i >= 3 && above != nullptr ? above[i - 3] : 0;
       const int predicted = filter == 0 ? 0 : filter == 1 ? left : filter == 2 ? up : paeth(left, up, corner);
       const auto residual = static_cast<signed char>(row[i] - predicted);
       cost += std::abs(static_cast<int>(residual));
@@ -61,7 +63,8 @@ std::string encode_png(const Image& image, double pixels_per_mm) {
   }
   uLongf size = compressBound(static_cast<uLong>(raw.size()));
   std::string packed(size, '\0');
-  if (compress2(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(raw.data()), static_cast<uLong>(raw.size()), 7) != Z_OK)
+  if (compress2(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(raw.data()),
+                static_cast<uLong>(raw.size()), 7) != Z_OK)
     throw std::runtime_error("zlib could not compress a picture");
   packed.resize(size);
 
@@ -88,7 +91,8 @@ std::string base64(const std::string& bytes) {
   out.reserve((bytes.size() + 2) / 3 * 4);
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     std::uint32_t block = 0;
-    for (std::size_t k = 0; k < 3; ++k) block = block << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 3; ++k)
+      block = block << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
     for (std::size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() ? digits[block >> (18 - 6 * k) & 63] : '=';
   }
   return out;

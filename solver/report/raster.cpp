@@ -69,10 +69,12 @@ void blur_depth(std::vector<float>& value, std::vector<float>& weight, int width
         return static_cast<std::size_t>(is_row ? line * width + i : static_cast<std::ptrdiff_t>(i) * width + line);
       };
       for (int repeat = 0; repeat < 3; ++repeat) {
-        for (int i = 0; i < length; ++i) sums[static_cast<std::size_t>(i) + 1] = sums[static_cast<std::size_t>(i)] + static_cast<double>(data[at(i)]);
+        for (int i = 0; i < length; ++i)
+          sums[static_cast<std::size_t>(i) + 1] = sums[static_cast<std::size_t>(i)] + static_cast<double>(data[at(i)]);
         for (int i = 0; i < length; ++i) {
           const int lo = std::max(0, i - radius), hi = std::min(length, i + radius + 1);
-          data[at(i)] = static_cast<float>((sums[static_cast<std::size_t>(hi)] - sums[static_cast<std::size_t>(lo)]) / (2 * radius + 1));
+          data[at(i)] =
+              static_cast<float>((sums[static_cast<std::size_t>(hi)] - sums[static_cast<std::size_t>(lo)]) / (2 * radius + 1));
         }
       }
     });
@@ -118,7 +120,8 @@ ColouredMesh make_sphere(const Vec3& centre, double radius, const Rgb& colour) {
   for (int r = 0; r <= rings; ++r)
     for (int s = 0; s < sectors; ++s) {
       const double theta = std::numbers::pi * r / rings, phi = 2 * std::numbers::pi * s / sectors;
-      mesh.points.push_back(centre + radius * Vec3(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)));
+      mesh.points.push_back(centre +
+                            radius * Vec3(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)));
     }
   for (int r = 0; r < rings; ++r)
     for (int s = 0; s < sectors; ++s) {
@@ -230,7 +233,8 @@ Canvas::Canvas(int width, int height, const Camera& camera, const Rgb& backgroun
   view_.row(1) = right.cross(direction).transpose();
   view_.row(2) = direction.transpose();
   scale_ = height * supersampling / (2 * camera.half_height);
-  const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * static_cast<std::size_t>(supersampling * supersampling);
+  const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+                     static_cast<std::size_t>(supersampling * supersampling);
   depth_.assign(count, empty_depth);
   normal_.assign(count, Eigen::Vector3f::Zero());
   colour_.assign(count, background);
@@ -238,15 +242,17 @@ Canvas::Canvas(int width, int height, const Camera& camera, const Rgb& backgroun
 
 Canvas::Projected Canvas::project(const Vec3& point) const {
   const Vec3 p = view_ * (point - camera_.centre);
-  const double shrink = camera_.eye_distance > 0 ? camera_.eye_distance / std::max(1e-3 * camera_.eye_distance, camera_.eye_distance + p.z()) : 1.0;
+  const double shrink =
+      camera_.eye_distance > 0 ? camera_.eye_distance / std::max(1e-3 * camera_.eye_distance, camera_.eye_distance + p.z()) : 1.0;
   return {static_cast<float>(width_ * samples_ / 2.0 + scale_ * shrink * p.x()),
           static_cast<float>(height_ * samples_ / 2.0 - scale_ * shrink * p.y()), static_cast<float>(p.z())};
 }
 
 void Canvas::draw(const ColouredMesh& mesh) {
   std::vector<Projected> projected(mesh.points.size());
-  parallel_for(static_cast<std::ptrdiff_t>(projected.size()),
-               [&](std::ptrdiff_t i) { projected[static_cast<std::size_t>(i)] = project(mesh.points[static_cast<std::size_t>(i)]); });
+  parallel_for(static_cast<std::ptrdiff_t>(projected.size()), [&](std::ptrdiff_t i) {
+    projected[static_cast<std::size_t>(i)] = project(mesh.points[static_cast<std::size_t>(i)]);
+  });
   std::vector<std::array<Eigen::Vector3f, 3>> normals;
   if (mesh.is_lit) normals = corner_normals(mesh);
   const Eigen::Matrix3f turn = view_.cast<float>();
@@ -254,15 +260,18 @@ void Canvas::draw(const ColouredMesh& mesh) {
     std::array<Corner, 3> corners;
     for (std::size_t k = 0; k < 3; ++k) {
       const auto p = static_cast<std::size_t>(mesh.triangles[t][k]);
-      corners[k] = make_corner(mesh, p, projected[p], mesh.is_lit ? Eigen::Vector3f(turn * normals[t][k]) : Eigen::Vector3f(Eigen::Vector3f::Zero()));
+      corners[k] = make_corner(mesh, p, projected[p],
+                               mesh.is_lit ? Eigen::Vector3f(turn * normals[t][k]) : Eigen::Vector3f(Eigen::Vector3f::Zero()));
     }
     draw_triangle(corners);
   }
 }
 
-Canvas::Corner Canvas::make_corner(const ColouredMesh& mesh, std::size_t point, const Projected& at, const Eigen::Vector3f& normal) {
+Canvas::Corner Canvas::make_corner(const ColouredMesh& mesh, std::size_t point, const Projected& at,
+                                   const Eigen::Vector3f& normal) {
   const bool has_coat = !mesh.coat.empty();
-  return {at, normal, mesh.colours[point], has_coat ? mesh.coat[point] : mesh.colours[point], has_coat ? mesh.cover[point] : 0.0f};
+  return {at, normal, mesh.colours[point], has_coat ? mesh.coat[point] : mesh.colours[point],
+          has_coat ? mesh.cover[point] : 0.0f};
 }
 
 double Canvas::half_width() const { return camera_.half_height * width_ / height_; }
@@ -291,8 +300,10 @@ void Canvas::draw_triangle(const std::array<Corner, 3>& corners) {
   if (!(x_hi >= 0 && y_hi >= 0 && x_lo <= static_cast<float>(columns) && y_lo <= static_cast<float>(rows))) return;
   const bool is_lit = !a.normal.isZero() || !b.normal.isZero() || !c.normal.isZero();
   // samples lie at the middle of their squares
-  const int i0 = std::max(0, static_cast<int>(std::ceil(x_lo - 0.5f))), i1 = std::min(columns - 1, static_cast<int>(std::floor(x_hi - 0.5f)));
-  const int j0 = std::max(0, static_cast<int>(std::ceil(y_lo - 0.5f))), j1 = std::min(rows - 1, static_cast<int>(std::floor(y_hi - 0.5f)));
+  const int i0 = std::max(0, static_cast<int>(std::ceil(x_lo - 0.5f))),
+            i1 = std::min(columns - 1, static_cast<int>(std::floor(x_hi - 0.5f)));
+  const int j0 = std::max(0, static_cast<int>(std::ceil(y_lo - 0.5f))),
+            j1 = std::min(rows - 1, static_cast<int>(std::floor(y_hi - 0.5f)));
   for (int j = j0; j <= j1; ++j)
     for (int i = i0; i <= i1; ++i) {
       const float x = static_cast<float>(i) + 0.5f, y = static_cast<float>(j) + 0.5f;
@@ -306,7 +317,8 @@ void Canvas::draw_triangle(const std::array<Corner, 3>& corners) {
       depth_[at] = z;
       const bool is_coated = w0 * a.cover + w1 * b.cover + w2 * c.cover >= 0.5f;
       colour_[at] = is_coated ? Rgb(w0 * a.coat + w1 * b.coat + w2 * c.coat) : Rgb(w0 * a.colour + w1 * b.colour + w2 * c.colour);
-      normal_[at] = is_lit ? Eigen::Vector3f((w0 * a.normal + w1 * b.normal + w2 * c.normal).stableNormalized()) : Eigen::Vector3f(Eigen::Vector3f::Zero());
+      normal_[at] = is_lit ? Eigen::Vector3f((w0 * a.normal + w1 * b.normal + w2 * c.normal).stableNormalized())
+                           : Eigen::Vector3f(Eigen::Vector3f::Zero());
     }
 }
 
@@ -327,7 +339,8 @@ Image Canvas::image(const Finish& finish) const {
     blur_depth(around, weight, columns, rows, std::max(1, static_cast<int>(finish.valley_radius * scale_ / 2)));
   }
 
-  const Eigen::Vector3f key = Eigen::Vector3f(-0.45f, 0.65f, -0.75f).normalized(), fill = Eigen::Vector3f(0.6f, -0.1f, -0.8f).normalized();
+  const Eigen::Vector3f key = Eigen::Vector3f(-0.45f, 0.65f, -0.75f).normalized(),
+                        fill = Eigen::Vector3f(0.6f, -0.1f, -0.8f).normalized();
   const Rgb ink(0.13f, 0.15f, 0.18f);
   Image out = Image::filled(width_, height_, background_);
   parallel_for(
@@ -351,11 +364,13 @@ Image Canvas::image(const Finish& finish) const {
                 if (!around.empty() && weight[at] > 0.05f) {
                   const float behind = z - around[at] / weight[at];
                   const float depth_scale = static_cast<float>(finish.valley_radius);
-                  if (behind > 0) light *= 1.0f - static_cast<float>(finish.valley_strength) * (1.0f - std::exp(-behind / depth_scale));
+                  if (behind > 0)
+                    light *= 1.0f - static_cast<float>(finish.valley_strength) * (1.0f - std::exp(-behind / depth_scale));
                 }
                 c = (light * c + Rgb::Constant(shine)).cwiseMin(1.0f);
               }
-              if (finish.outline_step > 0 && i > 0 && j > 0 && i + 1 < columns && j + 1 < rows && z != empty_depth && !normal_[at].isZero()) {
+              if (finish.outline_step > 0 && i > 0 && j > 0 && i + 1 < columns && j + 1 < rows && z != empty_depth &&
+                  !normal_[at].isZero()) {
                 // steps seen from the nearer side; a steep but even slope has equal steps left and right and draws nothing
                 const float step = static_cast<float>(finish.outline_step);
                 const auto jump = [&](std::size_t before, std::size_t after) {

@@ -27,8 +27,9 @@ struct Image {
 /// Copies `source` into `target` with its top left corner at (x, y); what falls outside is cut off.
 void paste(Image& target, const Image& source, int x, int y);
 
-/// `direction` points from the eye into the scene; `centre` appears in the middle of the picture, and half_height (mm) above it the
-/// picture ends. eye_distance > 0 (mm, eye to centre) gives a perspective view with that scale at `centre`; 0 an orthographic one.
+/// `direction` points from the eye into the scene; `centre` appears in the middle of the picture, and half_height (mm) above it
+/// the picture ends. eye_distance > 0 (mm, eye to centre) gives a perspective view with that scale at `centre`; 0 an orthographic
+/// one.
 struct Camera {
   Vec3 centre = Vec3::Zero();
   Vec3 direction = -Vec3::UnitZ();
@@ -37,14 +38,15 @@ struct Camera {
   double eye_distance = 0;
 };
 
-/// Triangles with a colour per point. Corner normals are those of the surrounding faces within the crease angle, so that the rim of a
-/// leaflet stays sharp. Both sides are lit.
+/// Triangles with a colour per point. Corner normals are those of the surrounding faces within the crease angle, so that the rim
+/// of a leaflet stays sharp. Both sides are lit.
 struct ColouredMesh {
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> triangles;
-  std::vector<Rgb> colours;      // per point
-  bool is_lit = true;            // false: drawn in its plain colour
-  // A second coat, per point or empty: shown instead of `colours` where the interpolated cover (0 or 1 at points) is at least one half.
+  std::vector<Rgb> colours;  // per point
+  bool is_lit = true;        // false: drawn in its plain colour
+  // A second coat, per point or empty: shown instead of `colours` where the interpolated cover (0 or 1 at points) is at least one
+  // half.
   std::vector<Rgb> coat;
   std::vector<float> cover;
 };
@@ -73,8 +75,8 @@ class Canvas {
 
   void draw(const ColouredMesh& mesh);
 
-  /// Lettering and bars over everything else, in plain colours: points are (x to the right, y upwards) mm from the picture's middle
-  /// at the scale of `centre`; z is ignored, later triangles cover earlier ones.
+  /// Lettering and bars over everything else, in plain colours: points are (x to the right, y upwards) mm from the picture's
+  /// middle at the scale of `centre`; z is ignored, later triangles cover earlier ones.
   void draw_over(const ColouredMesh& mesh);
   double half_width() const;  // mm
 
@@ -93,16 +95,16 @@ class Canvas {
   };
   static Corner make_corner(const ColouredMesh& mesh, std::size_t point, const Projected& at, const Eigen::Vector3f& normal);
   Projected project(const Vec3& point) const;
-  static constexpr float overlay_depth_ = -1e30f;      // nearer than anything in a scene
+  static constexpr float overlay_depth_ = -1e30f;  // nearer than anything in a scene
   static bool is_overlay(float depth) { return depth < 0.5f * overlay_depth_; }
   void draw_triangle(const std::array<Corner, 3>& corners);
 
-  int width_, height_, samples_;   // picture size; samples per pixel and direction
+  int width_, height_, samples_;  // picture size; samples per pixel and direction
   Rgb background_;
   Camera camera_;
-  Mat3 view_;                      // rows: right, up, direction
-  double scale_;                   // samples per mm at the centre
-  std::vector<float> depth_;       // mm beyond the centre, infinite where nothing was drawn
+  Mat3 view_;                            // rows: right, up, direction
+  double scale_;                         // samples per mm at the centre
+  std::vector<float> depth_;             // mm beyond the centre, infinite where nothing was drawn
   std::vector<Eigen::Vector3f> normal_;  // camera frame; zero where unlit
   std::vector<Rgb> colour_;
 };

@@ -23,8 +23,11 @@ void write_pictures(const fs::path& folder, const std::vector<Picture>& pictures
   for (const Picture& p : pictures) write(p);
   if (!map) return;
   write(*map);
-  const auto named = [&](const char* name) { return std::find_if(pictures.begin(), pictures.end(), [&](const Picture& p) { return p.name == name; }); };
-  if (const auto from_atrium = named("closed_atrial"), cut = named("closed_cut"); from_atrium != pictures.end() && cut != pictures.end())
+  const auto named = [&](const char* name) {
+    return std::find_if(pictures.begin(), pictures.end(), [&](const Picture& p) { return p.name == name; });
+  };
+  if (const auto from_atrium = named("closed_atrial"), cut = named("closed_cut");
+      from_atrium != pictures.end() && cut != pictures.end())
     write(draw_overview(*from_atrium, *cut, *map));
 }
 
@@ -33,7 +36,8 @@ void write_pictures(const fs::path& folder, const std::vector<Picture>& pictures
 fs::path write_report(const fs::path& results) {
   const ResultsData data = read_results(results);
   Scales scales;
-  if (data.frames.closed) scales = {pressure_scale_of(data.frames.closed->contact_pressure), stress_scale_of(*data.frames.closed)};
+  if (data.frames.closed)
+    scales = {pressure_scale_of(data.frames.closed->contact_pressure), stress_scale_of(*data.frames.closed)};
   if (data.map) scales.pressure = std::max(1e-3, pressure_scale_of(data.map->contact_pressure));
   std::optional<MapView> view;
   std::optional<Picture> map_picture;

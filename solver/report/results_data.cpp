@@ -20,7 +20,8 @@ Json json_or_null(const fs::path& file) { return is_there(file) ? read_json(file
 
 /// First and last frame of a collection.
 template <class Frame, class Read>
-void read_ends(const fs::path& results, const char* collection, Read&& read, std::optional<Frame>& first, std::optional<Frame>& last) {
+void read_ends(const fs::path& results, const char* collection, Read&& read, std::optional<Frame>& first,
+               std::optional<Frame>& last) {
   const std::vector<PvdEntry> entries = read_pvd(results / collection);
   if (!entries.empty()) first = read(results / entries.front().file);
   if (entries.size() > 1) last = read(results / entries.back().file);

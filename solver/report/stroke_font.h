@@ -8,8 +8,8 @@
 
 namespace mv {
 
-/// Lettering for drawings: the text as polylines, starting at `origin` (left end of the baseline), capitals `height` tall. Knows letters,
-/// digits and . , : ; - + / ( ) % = < > ; anything else leaves a gap.
+/// Lettering for drawings: the text as polylines, starting at `origin` (left end of the baseline), capitals `height` tall. Knows
+/// letters, digits and . , : ; - + / ( ) % = < > ; anything else leaves a gap.
 std::vector<std::vector<Vec2>> text_strokes(std::string_view text, const Vec2& origin, double height);
 
 /// Width of the text as drawn.

@@ -17,21 +17,30 @@ std::string percent(double share) { return number(100 * share) + " %"; }
 std::vector<TrustGate> trust_gates(const Json& summary) {
   std::vector<TrustGate> gates;
   if (const Json& given = json_at(summary, "trust.gates"); given.is_array()) {
-    const auto text = [](const Json& gate, const char* key) { return gate.contains(key) ? html::value(gate[key]) : std::string(); };
+    const auto text = [](const Json& gate, const char* key) {
+      return gate.contains(key) ? html::value(gate[key]) : std::string();
+    };
     for (const Json& gate : given)
-      if (gate.is_object()) gates.push_back({text(gate, "name"), text(gate, "value"), text(gate, "limit"), gate.value("passed", false)});
+      if (gate.is_object())
+        gates.push_back({text(gate, "name"), text(gate, "value"), text(gate, "limit"), gate.value("passed", false)});
     return gates;
   }
   const auto limit = [&](const char* key, const char* name, const std::string& bound, auto&& is_passed, auto&& format) {
     const Json& value = json_at(summary, key);
     if (value.is_number()) gates.push_back({name, format(value.get<double>()), bound, is_passed(value.get<double>())});
   };
+  const auto plain = [](double x) { return number(x); };
   const auto below = [](double bound) { return [bound](double x) { return std::abs(x) <= bound; }; };
-  limit("contact.self_intersections", "self-intersections", "must be 0", [](double x) { return x == 0; }, number);
-  limit("energy.residual_relative", "energy unexplained", "at most " + percent(energy_residual_limit), below(energy_residual_limit), percent);
-  limit("mass.solid_volume_drift", "solid volume drift", "at most " + percent(volume_drift_limit), below(volume_drift_limit), percent);
-  limit("solid.distortion_controlled_fraction", "distortion-controlled elements", "at most " + percent(distortion_fraction_limit), below(distortion_fraction_limit), percent);
-  limit("solid.J_min", "smallest J", "above 0", [](double x) { return x > 0; }, number);
+  limit(
+      "contact.self_intersections", "self-intersections", "must be 0", [](double x) { return x == 0; }, plain);
+  limit("energy.residual_relative", "energy unexplained", "at most " + percent(energy_residual_limit),
+        below(energy_residual_limit), percent);
+  limit("mass.solid_volume_drift", "solid volume drift", "at most " + percent(volume_drift_limit), below(volume_drift_limit),
+        percent);
+  limit("solid.distortion_controlled_fraction", "distortion-controlled elements", "at most " + percent(distortion_fraction_limit),
+        below(distortion_fraction_limit), percent);
+  limit(
+      "solid.J_min", "smallest J", "above 0", [](double x) { return x > 0; }, plain);
   return gates;
 }
 
@@ -53,12 +62,16 @@ std::string describe_hole(const Json& hole) {
 std::string describe_interruptions(const Json& list) {
   constexpr std::size_t most_told = 3;
   if (!list.is_array() || list.empty()) return "";
-  const auto width = [](const Json& gap) { return gap.is_object() && gap.contains("width_mm") && gap["width_mm"].is_number() ? gap["width_mm"].get<double>() : 0.0; };
+  const auto width = [](const Json& gap) {
+    return gap.is_object() && gap.contains("width_mm") && gap["width_mm"].is_number() ? gap["width_mm"].get<double>() : 0.0;
+  };
   const auto tell = [](const Json& gap) {
-    return html::escape(text_at(gap, "leaflet")) + " leaflet, u " + html::value(gap.value("u_from_mm", Json())) + " to " + html::value(gap.value("u_to_mm", Json())) + " mm";
+    return html::escape(text_at(gap, "leaflet")) + " leaflet, u " + html::value(gap.value("u_from_mm", Json())) + " to " +
+           html::value(gap.value("u_to_mm", Json())) + " mm";
   };
   if (list.size() > most_told) {
-    const auto widest = std::max_element(list.begin(), list.end(), [&](const Json& a, const Json& b) { return width(a) < width(b); });
+    const auto widest =
+        std::max_element(list.begin(), list.end(), [&](const Json& a, const Json& b) { return width(a) < width(b); });
     return " in " + std::to_string(list.size()) + " places, the widest: " + tell(*widest);
   }
   std::string text;
@@ -94,13 +107,17 @@ Verdict make_verdict(const Json& summary) {
   } else if (sealed.get<bool>()) {
     verdict.finding = Finding::sealed;
     verdict.word = "Sealed";
-    verdict.sentences.push_back("With the leaflets grown by half the contact threshold" + threshold + ", no path of blood joins ventricle to atrium.");
+    verdict.sentences.push_back("With the leaflets grown by half the contact threshold" + threshold +
+                                ", no path of blood joins ventricle to atrium.");
     if (has("seal.smallest_sealing_threshold_mm"))
-      verdict.sentences.push_back("The valve seals at every threshold above " + value("seal.smallest_sealing_threshold_mm") + " mm" + last_passage(summary) + ".");
+      verdict.sentences.push_back("The valve seals at every threshold above " + value("seal.smallest_sealing_threshold_mm") +
+                                  " mm" + last_passage(summary) + ".");
   } else {
     verdict.finding = Finding::leaks;
     const std::size_t count = holes.is_array() ? holes.size() : 0;
-    verdict.word = count == 0 ? "Leaks" : count == 1 ? "Leaks through 1 hole" : "Leaks through " + std::to_string(count) + " holes";
+    verdict.word = count == 0   ? "Leaks"
+                   : count == 1 ? "Leaks through 1 hole"
+                                : "Leaks through " + std::to_string(count) + " holes";
     std::string where = "At the contact threshold" + threshold + " blood passes";
     if (count > 0) {
       where += ": ";
@@ -109,15 +126,20 @@ Verdict make_verdict(const Json& summary) {
     }
     verdict.sentences.push_back(where + ".");
     if (has("seal.smallest_sealing_threshold_mm"))
-      verdict.sentences.push_back("It would seal only at a threshold above " + value("seal.smallest_sealing_threshold_mm") + " mm" + last_passage(summary) + ".");
+      verdict.sentences.push_back("It would seal only at a threshold above " + value("seal.smallest_sealing_threshold_mm") +
+                                  " mm" + last_passage(summary) + ".");
   }
   if (const Json& belt = json_at(summary, "contact.belt_continuous"); belt.is_boolean() && sealed.is_boolean())
-    verdict.sentences.push_back(belt.get<bool>() ? std::string("The contact belt joins commissure to commissure on each leaflet without a gap.")
-                                                 : "The contact belt is interrupted" + describe_interruptions(json_at(summary, "contact.belt_interruptions")) + ".");
-  if (has("flow.leak_rate_ml_s")) verdict.sentences.push_back("Mean net leak at the end: " + value("flow.leak_rate_ml_s") + " ml/s.");
+    verdict.sentences.push_back(
+        belt.get<bool>()
+            ? std::string("The contact belt joins commissure to commissure on each leaflet without a gap.")
+            : "The contact belt is interrupted" + describe_interruptions(json_at(summary, "contact.belt_interruptions")) + ".");
+  if (has("flow.leak_rate_ml_s"))
+    verdict.sentences.push_back("Mean net leak at the end: " + value("flow.leak_rate_ml_s") + " ml/s.");
 
   if (const Json& certain = json_at(summary, "seal.certain"); certain.is_boolean() && !certain.get<bool>())
-    verdict.sentences.push_back("The verdict is close: the threshold lies within the numerical margin of the smallest sealing one.");
+    verdict.sentences.push_back(
+        "The verdict is close: the threshold lies within the numerical margin of the smallest sealing one.");
   if (!is_complete) verdict.sentences.insert(verdict.sentences.begin(), "The run ended early: " + html::escape(end) + ".");
   if (verdict.finding != Finding::none && !verdict.is_trustworthy) verdict.word += ", but not trustworthy";
   if (const Json& reasons = json_at(summary, "trust.failed"); reasons.is_array())

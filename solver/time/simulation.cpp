@@ -19,6 +19,7 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 constexpr double metres_per_mm = 1e-3;
 constexpr int estimate_every = 50;        // steps between two estimates of the stiffest mode
 constexpr int estimate_products = 3;
+constexpr int volumes_every = 10;          // steps between two evaluations of the nodes' smoothed volumes
 constexpr int gaps_every = 20;             // steps between two searches for facing leaflets
 constexpr int snapshot_every = 200;       // steps between two states to fall back to
 constexpr int rollbacks_allowed = 8;      // in a row
@@ -168,8 +169,11 @@ void Simulation::advance(State& state, double dt) {
     outside_ = coupling_->bind(nodes);
     force_density_.set_zero();
     coupling_->hand_over(forces_, force_density_);
-    if (!state.relax_steps.empty())
-      state.ledger.coupling_loss += coupling_->relax(nodes, forces_, force_density_, state.relax_steps, scene_.config.number("leaflet.density"));
+    if (!state.relax_steps.empty()) {
+      if (state.step % volumes_every == 0) state.mean_volume.clear();
+      state.ledger.coupling_loss +=
+          coupling_->relax(nodes, forces_, force_density_, state.relax_steps, scene_.config.number("leaflet.density"), state.mean_volume);
+    }
     state.ledger.coupling_loss -= coupling_->hold(state.holding, state.flow.velocity, dt, force_density_);
     times_.coupling += seconds_since(start);
     start = Clock::now();

@@ -27,6 +27,7 @@ struct State {
   FlowState flow;
   std::vector<double> holding;        // N, what holds the blood at rest around held nodes (Coupling::hold)
   std::vector<double> relax_steps;    // s, per node: own critical step (Coupling::relax)
+  std::vector<double> mean_volume;    // smoothed node volumes at their last evaluation (Coupling::relax)
   std::vector<double> film_gaps;      // m, per leaflet node: gap to the facing leaflet at the last search (FilmDrainage)
   std::vector<double> friction_slip;  // contact history
   EnergyLedger ledger;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "geometry/core/parallel.h"
+#include "geometry/core/unfolded.h"
 #include "solver/contact/intersection.h"
 #include "solver/output/contact_map.h"
 #include "solver/seal/belt.h"
@@ -31,6 +32,17 @@ void put_seal(Summary& summary, const Simulation& simulation, const std::vector<
   for (std::size_t e = 0; e < scene.mesh.tets.size(); ++e)
     for (int n = 0; n < scene.mesh.nodes_per_tet(); ++n) input.region[static_cast<std::size_t>(scene.mesh.tets[e][static_cast<std::size_t>(n)])] = scene.mesh.region[e];
   input.unfolded = scene.mesh.unfolded;
+  // One interval of u for each leaflet: what lies across the pattern's seam is shifted by its period.
+  const double period = unfolded_period(scene.mesh);
+  for (std::size_t e = 0; e < scene.mesh.tets.size(); ++e) {
+    double highest = -1e300;
+    for (int n = 0; n < scene.mesh.nodes_per_tet(); ++n)
+      highest = std::max(highest, input.unfolded[static_cast<std::size_t>(scene.mesh.tets[e][static_cast<std::size_t>(n)])].x());
+    for (int n = 0; n < scene.mesh.nodes_per_tet(); ++n) {
+      double& u = input.unfolded[static_cast<std::size_t>(scene.mesh.tets[e][static_cast<std::size_t>(n)])].x();
+      if (period > 0 && highest - u > 0.5 * period) u += period;
+    }
+  }
   input.annulus = scene.annulus.points;
   input.tube = scene.tube;
   if (scene.papillary.tips.size() == 2) input.anterolateral = (scene.papillary.tips[0] - scene.papillary.tips[1]).normalized();
@@ -54,13 +66,16 @@ void put_seal(Summary& summary, const Simulation& simulation, const std::vector<
 
 void put_contact(Summary& summary, const Simulation& simulation, const State& state, const std::vector<Vec3>& points, const ContactMeasure& contact) {
   const Scene& scene = simulation.scene();
+  // The map, because there each leaflet is one interval of u: points on the pattern's seam stand twice.
+  const ContactMap map = make_contact_map(scene.mesh, contact.traction, std::span<const double>(contact.force.front().data(), 3 * contact.force.size()),
+                                          contact.gap, contact.in_contact);
   BeltInput input;
-  input.unfolded = scene.mesh.unfolded;
-  input.current = points;
-  const FaceTriangles faces = faces_on_side(scene.mesh, atrial);
-  input.triangles = faces.triangles;
-  for (int element : faces.element) input.region.push_back(scene.mesh.region[static_cast<std::size_t>(element)]);
-  input.in_contact = contact.in_contact;
+  input.unfolded = map.points;
+  input.triangles = map.triangles;
+  input.in_contact = map.in_belt;
+  for (int point : map.mesh_point) input.current.push_back(points[static_cast<std::size_t>(point)]);
+  // The map keeps the order of the faces.
+  for (int element : faces_on_side(scene.mesh, atrial).element) input.region.push_back(scene.mesh.region[static_cast<std::size_t>(element)]);
   const BeltResult belt = measure_belt(input);
   summary.set("contact.belt_continuous", belt.continuous);
   summary.set("contact.belt_width_mm_mean", belt.width_mean_mm);

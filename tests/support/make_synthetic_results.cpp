@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// make_synthetic_results DIR [--leaking] [--dry] [--no-chordae]: a made-up RESULTS/ with its report, for looking at and for the browser test.
+// make_synthetic_results DIR [--leaking] [--dry] [--no-chordae]: a made-up RESULTS/ with its report, for looking at and for the
+// browser test.
 #include <iostream>
 #include <string>
 

@@ -34,14 +34,16 @@ struct Ring {
     for (int i = 0; i <= n; ++i) {
       const double phi = pi / 2 + 2 * pi * i / n;
       points.emplace_back(semi_major * std::cos(phi), semi_minor * std::sin(phi));
-      length.push_back(i == 0 ? 0 : length.back() + (points[static_cast<std::size_t>(i)] - points[static_cast<std::size_t>(i) - 1]).norm());
+      length.push_back(
+          i == 0 ? 0 : length.back() + (points[static_cast<std::size_t>(i)] - points[static_cast<std::size_t>(i) - 1]).norm());
     }
     perimeter = length.back();
   }
   Vec2 at(double u) const {
     double s = std::fmod(u - anterior_radius, perimeter);
     if (s < 0) s += perimeter;
-    const auto k = std::clamp<std::size_t>(static_cast<std::size_t>(std::upper_bound(length.begin(), length.end(), s) - length.begin()), 1, points.size() - 1);
+    const auto k = std::clamp<std::size_t>(
+        static_cast<std::size_t>(std::upper_bound(length.begin(), length.end(), s) - length.begin()), 1, points.size() - 1);
     const double w = (s - length[k - 1]) / (length[k] - length[k - 1]);
     return (1 - w) * points[k - 1] + w * points[k];
   }
@@ -51,14 +53,17 @@ double leaflet_height(double u, double perimeter) {
   const double scallop = (perimeter - 2 * anterior_radius) / 3;
   const bool is_anterior = u < 2 * anterior_radius;
   const double radius = is_anterior ? anterior_radius : scallop / 2;
-  const double centre = is_anterior ? anterior_radius : 2 * anterior_radius + scallop * (std::floor((u - 2 * anterior_radius) / scallop - 1e-9) + 0.5);
+  const double centre = is_anterior
+                            ? anterior_radius
+                            : 2 * anterior_radius + scallop * (std::floor((u - 2 * anterior_radius) / scallop - 1e-9) + 0.5);
   return strip + (is_anterior ? 0.9 : 0.75) * std::sqrt(std::max(0.0, radius * radius - (u - centre) * (u - centre)));
 }
 
 /// Where the column u meets the other leaflet: a smile-shaped line from commissure to commissure.
 Vec3 coaptation_point(const Ring& ring, double u) {
   const Vec2 right = ring.at(0), left = ring.at(2 * anterior_radius);
-  const double s = u < 2 * anterior_radius ? u / (2 * anterior_radius) : (ring.perimeter - u) / (ring.perimeter - 2 * anterior_radius);
+  const double s =
+      u < 2 * anterior_radius ? u / (2 * anterior_radius) : (ring.perimeter - u) / (ring.perimeter - 2 * anterior_radius);
   const Vec2 p = (1 - s) * right + s * left;
   return {p.x(), p.y() - 9.0 * std::sin(pi * s), -2.5 * std::sin(pi * s)};
 }
@@ -133,11 +138,13 @@ double closure(double t) { return 1 / (1 + std::exp(-(t - 0.042) / 0.0035)); }
 double pressure(double t) { return 120 * (t < 0.06 ? 0.5 - 0.5 * std::cos(pi * t / 0.06) : 1.0); }
 double flow(double t, bool is_sealed) {
   const double swing = t > 0.048 ? 55 * std::exp(-(t - 0.048) / 0.02) * std::sin(2 * pi * (t - 0.048) / 0.018) : 0;
-  return 40 * std::exp(-t / 0.008) - 520 * std::exp(-std::pow((t - 0.036) / 0.012, 2)) + swing - (is_sealed ? 0.2 : 24.0) * closure(t);
+  return 40 * std::exp(-t / 0.008) - 520 * std::exp(-std::pow((t - 0.036) / 0.012, 2)) + swing -
+         (is_sealed ? 0.2 : 24.0) * closure(t);
 }
 
 void write_frames(const fs::path& results, const SyntheticValve& valve, const SyntheticOptions& options) {
-  const Eigen::Matrix3d tilt = Eigen::AngleAxisd(options.tilt_degrees * pi / 180, Vec3(1, 0.3, 0).normalized()).toRotationMatrix();
+  const Eigen::Matrix3d tilt =
+      Eigen::AngleAxisd(options.tilt_degrees * pi / 180, Vec3(1, 0.3, 0).normalized()).toRotationMatrix();
   SolverFrame frame;
   frame.origin = options.tilt_degrees != 0 ? Vec3(12, -30, 55) : Vec3::Zero();
   frame.axes = tilt.transpose();
@@ -167,7 +174,8 @@ void write_frames(const fs::path& results, const SyntheticValve& valve, const Sy
     writer.write_leaflets({t, positions, velocities, forces, p, stress, stress, J, J});
     if (options.has_chordae) {
       std::vector<Vec3> ends = valve.chordae.points;
-      for (const Insertion& in : valve.chordae.insertions) ends[static_cast<std::size_t>(in.point)] = x[static_cast<std::size_t>(in.node)];
+      for (const Insertion& in : valve.chordae.insertions)
+        ends[static_cast<std::size_t>(in.point)] = x[static_cast<std::size_t>(in.node)];
       const auto chorda_points = flat(ends, 1e-3);
       std::vector<double> tension;
       for (const ChordaSegment& s : valve.chordae.segments) tension.push_back(c * (s.kind == ChordaKind::primary ? 0.18 : 0.42));
@@ -272,11 +280,14 @@ void write_summary(const fs::path& results, const SyntheticValve& valve, const S
   Json holes = Json::array();
   if (!options.is_sealed) {
     holes.push_back({{"location", "between A2 and P2"}, {"area_mm2", 9.1}, {"width_mm", 2.9}, {"place_mm", {0.4, -8.8, -7.1}}});
-    holes.push_back({{"location", "posteromedial commissure"}, {"area_mm2", 2.5}, {"width_mm", 1.1}, {"place_mm", {-14.1, -1.0, -3.0}}});
+    holes.push_back(
+        {{"location", "posteromedial commissure"}, {"area_mm2", 2.5}, {"width_mm", 1.1}, {"place_mm", {-14.1, -1.0, -3.0}}});
   }
   s.set("seal.holes", holes);
   s.set("contact.belt_continuous", options.is_sealed);
-  if (!options.is_sealed) s.set("contact.belt_interruptions", Json::array({{{"leaflet", "anterior"}, {"u_from_mm", 14.2}, {"u_to_mm", 21.6}, {"width_mm", 7.4}}}));
+  if (!options.is_sealed)
+    s.set("contact.belt_interruptions",
+          Json::array({{{"leaflet", "anterior"}, {"u_from_mm", 14.2}, {"u_to_mm", 21.6}, {"width_mm", 7.4}}}));
   s.set("contact.belt_width_mm_mean", 4.1);
   s.set("contact.area_mm2", 290.4);
   s.set("contact.force_N", 3.61);
@@ -312,8 +323,10 @@ void write_case_copies(const fs::path& results) {
   fs::create_directories(results / "case");
   Json quality;
   quality["passed"] = true;
-  const auto gate = [](const char* name, double value, const char* relation, double limit, const char* unit, const char* message) {
-    return Json{{"name", name}, {"verdict", "pass"}, {"value", value}, {"limit", limit}, {"relation", relation}, {"unit", unit}, {"worst_element", -1}, {"message", message}};
+  const auto gate = [](const char* name, double value, const char* relation, double limit, const char* unit,
+                       const char* message) {
+    return Json{{"name", name},         {"verdict", "pass"}, {"value", value},      {"limit", limit},
+                {"relation", relation}, {"unit", unit},      {"worst_element", -1}, {"message", message}};
   };
   quality["gates"] = Json::array({gate("leaflets.boundary_open_edges", 0, "==", 0, "edges", "closed and oriented boundary"),
                                   gate("leaflets.dihedral_min_deg", 21.7, ">=", 10, "deg", "smallest dihedral angle"),
@@ -337,7 +350,9 @@ SyntheticValve make_synthetic_valve(const SyntheticOptions& options) {
   const int nu = options.columns, nv = options.rows, nw = 2;
   const auto node = [&](int i, int j, int k) { return ((i % nu) * (nv + 1) + j) * (nw + 1) + k; };
   const auto open_mid = [&](double u, double v) { return open_position(ring, u, v); };
-  const auto closed_mid = [&](double u, double v) { return closed_position(ring, u < 0 ? u + ring.perimeter : std::fmod(u, ring.perimeter), v).position; };
+  const auto closed_mid = [&](double u, double v) {
+    return closed_position(ring, u < 0 ? u + ring.perimeter : std::fmod(u, ring.perimeter), v).position;
+  };
   for (int i = 0; i < nu; ++i)
     for (int j = 0; j <= nv; ++j)
       for (int k = 0; k <= nw; ++k) {
@@ -388,7 +403,8 @@ SyntheticValve make_synthetic_valve(const SyntheticOptions& options) {
       c.points.push_back(m.points[static_cast<std::size_t>(n)]);
       c.muscle_of_point.push_back(-1);
       const double length = (c.points[static_cast<std::size_t>(muscle)] - c.points.back()).norm();
-      c.segments.push_back({muscle, end, kind, muscle, u < 2 * anterior_radius ? anterior : posterior, length, kind == ChordaKind::primary ? 0.4 : 0.8});
+      c.segments.push_back({muscle, end, kind, muscle, u < 2 * anterior_radius ? anterior : posterior, length,
+                            kind == ChordaKind::primary ? 0.4 : 0.8});
       c.insertions.push_back({end, n, 1.0});
     };
     for (int i = 0; i < 14; ++i) add(ring.perimeter * (i + 0.5) / 14, nv, ChordaKind::primary);

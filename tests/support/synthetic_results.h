@@ -14,23 +14,23 @@
 namespace mv::test {
 
 struct SyntheticOptions {
-  bool is_sealed = true;        // false: a gap in the belt at the middle of the anterior leaflet, and two holes
+  bool is_sealed = true;  // false: a gap in the belt at the middle of the anterior leaflet, and two holes
   bool has_fluid = true;
   bool has_chordae = true;
   int order = 1;
-  int columns = 96;             // elements along the annulus
-  int rows = 14;                // elements from annulus to free edge
-  double tilt_degrees = 0;      // of the valve's axis against the world
+  int columns = 96;         // elements along the annulus
+  int rows = 14;            // elements from annulus to free edge
+  double tilt_degrees = 0;  // of the valve's axis against the world
 };
 
 struct SyntheticValve {
-  LeafletMesh mesh;             // open state
-  std::vector<Vec3> closed;     // points of the closed state, mm
+  LeafletMesh mesh;                      // open state
+  std::vector<Vec3> closed;              // points of the closed state, mm
   std::vector<double> contact_pressure;  // Pa, closed state
-  std::vector<double> gap;      // m, closed state; NaN where nothing faces the point
+  std::vector<double> gap;               // m, closed state; NaN where nothing faces the point
   Chordae chordae;
   Annulus annulus;
-  double perimeter = 0;         // period of unfolded u, mm
+  double perimeter = 0;  // period of unfolded u, mm
 };
 
 /// Four-semicircle cone, 1 mm thick, two layers; atrium towards +z, anterior towards +y.

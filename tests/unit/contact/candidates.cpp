@@ -32,9 +32,12 @@ struct Crumpled {
       const double straight = 4 * mm, u = p[0] - straight, arc = std::numbers::pi * radius;
       const double inner = radius - p[2] + 0.2 * mm;
       Vec3 q;
-      if (u < 0) q = {p[0], p[1], p[2]};
-      else if (u < arc) q = {straight + inner * std::sin(u / radius), p[1], radius + 0.2 * mm - inner * std::cos(u / radius)};
-      else q = {straight - (u - arc), p[1], radius + 0.2 * mm + inner};
+      if (u < 0)
+        q = {p[0], p[1], p[2]};
+      else if (u < arc)
+        q = {straight + inner * std::sin(u / radius), p[1], radius + 0.2 * mm - inner * std::cos(u / radius)};
+      else
+        q = {straight - (u - arc), p[1], radius + 0.2 * mm + inner};
       return q + Vec3(shake(random), shake(random), shake(random));
     });
   }
@@ -89,7 +92,8 @@ TEST(CandidateSearch, closest_point_agrees_with_dense_sampling) {
     double best = std::numeric_limits<double>::infinity();
     constexpr int samples = 60;
     for (int i = 0; i <= samples; ++i) {
-      for (int j = 0; i + j <= samples; ++j) best = std::min(best, (p[3] - p[0] - (i * facet.e1 + j * facet.e2) / samples).norm());
+      for (int j = 0; i + j <= samples; ++j)
+        best = std::min(best, (p[3] - p[0] - (i * facet.e1 + j * facet.e2) / samples).norm());
     }
     const double found = (p[3] - closest).norm();
     EXPECT_LE(found, best + 1e-12);
@@ -158,7 +162,9 @@ TEST(ClosestGaps, agree_with_brute_force) {
           if (atrial_only && (c.surface.triangle_side[f] != 1 || !c.surface.on_atrial_face[n])) continue;
           const auto& t = c.surface.triangles[f];
           const auto head = contact::make_head(c.at(t[0]), c.at(t[1]), c.at(t[2]));
-          if (head.n.dot(normals[n]) >= facing_cosine || head.n.dot(c.at(n) - head.centre) <= -contact.options().penetration_limit) continue;
+          if (head.n.dot(normals[n]) >= facing_cosine ||
+              head.n.dot(c.at(n) - head.centre) <= -contact.options().penetration_limit)
+            continue;
           if (!rule.is_excluded(n, f)) best = std::min(best, distance(c, n, f));
         }
         if (best < reach) {

@@ -33,7 +33,8 @@ struct WavySheets {
     const auto identity = [](const Vec3& p) -> Vec3 { return p; };
     const Eigen::AngleAxisd turn(0.3, Vec3::UnitZ());
     mesh.add_sheet(12, 12, 6 * mm, 6 * mm, identity);
-    const auto upper = mesh.add_sheet(11, 13, 6 * mm, 6 * mm, [&](const Vec3& p) -> Vec3 { return turn * p + Vec3(0.6 * mm, -0.5 * mm, height); }, true);
+    const auto upper = mesh.add_sheet(
+        11, 13, 6 * mm, 6 * mm, [&](const Vec3& p) -> Vec3 { return turn * p + Vec3(0.6 * mm, -0.5 * mm, height); }, true);
     x = mesh.x;
     v.resize(x.size());
     for (int n = 0; n < mesh.node_count(); ++n) {
@@ -81,7 +82,8 @@ TEST(ContactForces, are_minus_the_gradient_of_the_energy) {
   std::vector<double> forces(w.x.size(), 0.0), scratch(w.x.size());
   const auto result = contact.evaluate(w.x, w.v, 0, forces);
   ASSERT_GT(result.active_nodes, 100);
-  const double largest = std::abs(*std::max_element(forces.begin(), forces.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
+  const double largest =
+      std::abs(*std::max_element(forces.begin(), forces.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
   std::mt19937 random(2);
   std::uniform_int_distribution<std::size_t> pick(0, w.x.size() - 1);
   int loaded = 0;
@@ -105,7 +107,8 @@ TEST(ContactForces, gap_is_exact_between_planes_in_any_position) {
   for (double g : {0.19 * mm, 0.05 * mm, 0.0, -0.12 * mm}) {
     TriangleMesh m;
     m.add_sheet(10, 9, 5 * mm, 4.5 * mm, [&](const Vec3& p) -> Vec3 { return turn * p + shift; });
-    const auto upper = m.add_sheet(7, 8, 3 * mm, 3 * mm, [&](const Vec3& p) -> Vec3 { return turn * (p + Vec3(0.8 * mm, 0.9 * mm, g)) + shift; }, true);
+    const auto upper = m.add_sheet(
+        7, 8, 3 * mm, 3 * mm, [&](const Vec3& p) -> Vec3 { return turn * (p + Vec3(0.8 * mm, 0.9 * mm, g)) + shift; }, true);
     const auto s = contact_surface_from_triangles(m.x, m.triangles);
     SelfContact contact(s, plain_options());
     std::vector<double> forces(m.x.size(), 0.0), v(m.x.size(), 0.0);
@@ -128,7 +131,8 @@ TEST(ContactForces, flat_sheets_carry_stiffness_times_overlap_times_area_whateve
   for (const auto& [nu, nv] : {std::pair{10, 10}, std::pair{13, 7}, std::pair{23, 17}}) {
     TriangleMesh m;
     const auto lower = m.add_sheet(10, 10, 5 * mm, 5 * mm, [](const Vec3& p) -> Vec3 { return p; });
-    m.add_sheet(nu, nv, 5 * mm, 5 * mm, [&](const Vec3& p) -> Vec3 { return p + Vec3(0, 0, 0.2 * mm - overlap); }, true);
+    m.add_sheet(
+        nu, nv, 5 * mm, 5 * mm, [&](const Vec3& p) -> Vec3 { return p + Vec3(0, 0, 0.2 * mm - overlap); }, true);
     const auto s = contact_surface_from_triangles(m.x, m.triangles);
     SelfContact contact(s, plain_options());
     std::vector<double> forces(m.x.size(), 0.0), v(m.x.size(), 0.0);
@@ -144,14 +148,18 @@ TEST(ContactForces, flat_sheets_carry_stiffness_times_overlap_times_area_whateve
 }
 
 TEST(ContactForces, a_smaller_sheet_turned_on_a_larger_one_is_right_up_to_a_border_of_the_averaging_radius) {
-  // Nodes of the larger sheet just outside the smaller one are pushed a little: the excess is a strip of at most R and falls with h.
+  // Nodes of the larger sheet just outside the smaller one are pushed a little: the excess is a strip of at most R and falls with
+  // h.
   const Eigen::AngleAxisd turn(0.35, Vec3::UnitZ());
   double previous = 1;
   for (int n : {12, 24, 48}) {
     const double h = 9 * mm / n;
     TriangleMesh m;
     m.add_sheet(n, n, 9 * mm, 9 * mm, [](const Vec3& p) -> Vec3 { return p; });
-    m.add_sheet(2 * n / 3 - 1, 2 * n / 3 - 1, 5 * mm, 5 * mm, [&](const Vec3& p) -> Vec3 { return turn * (p - Vec3(2.5 * mm, 2.5 * mm, 0)) + Vec3(4.5 * mm, 4.5 * mm, 0.1 * mm); }, true);
+    m.add_sheet(
+        2 * n / 3 - 1, 2 * n / 3 - 1, 5 * mm, 5 * mm,
+        [&](const Vec3& p) -> Vec3 { return turn * (p - Vec3(2.5 * mm, 2.5 * mm, 0)) + Vec3(4.5 * mm, 4.5 * mm, 0.1 * mm); },
+        true);
     const auto s = contact_surface_from_triangles(m.x, m.triangles);
     SelfContact contact(s, plain_options());
     std::vector<double> forces(m.x.size(), 0.0), v(m.x.size(), 0.0);
@@ -169,7 +177,8 @@ TEST(ContactForces, a_loaded_sheet_comes_to_rest_where_contact_carries_the_load)
   OneThread one_thread;
   TriangleMesh m;
   const auto lower = m.add_sheet(10, 10, 5 * mm, 5 * mm, [](const Vec3& p) -> Vec3 { return p; });
-  const auto upper = m.add_sheet(13, 12, 5 * mm, 5 * mm, [](const Vec3& p) -> Vec3 { return p + Vec3(0, 0, 0.19 * mm); }, true);
+  const auto upper = m.add_sheet(
+      13, 12, 5 * mm, 5 * mm, [](const Vec3& p) -> Vec3 { return p + Vec3(0, 0, 0.19 * mm); }, true);
   const auto s = contact_surface_from_triangles(m.x, m.triangles);
   const double pressure = 16e3;  // 120 mmHg
   auto options = plain_options();
@@ -199,7 +208,8 @@ TEST(ContactForces, an_impact_conserves_momentum_and_energy) {
   // Two free sheets of springs hit each other without friction; velocity Verlet.
   TriangleMesh m;
   const auto lower = m.add_sheet(8, 8, 4 * mm, 4 * mm, [](const Vec3& p) -> Vec3 { return p; });
-  const auto upper = m.add_sheet(9, 9, 4 * mm, 4 * mm, [](const Vec3& p) -> Vec3 { return p + Vec3(0.3 * mm, 0.2 * mm, 0.25 * mm + 0.05 * p[0]); }, true);
+  const auto upper = m.add_sheet(
+      9, 9, 4 * mm, 4 * mm, [](const Vec3& p) -> Vec3 { return p + Vec3(0.3 * mm, 0.2 * mm, 0.25 * mm + 0.05 * p[0]); }, true);
   const auto s = contact_surface_from_triangles(m.x, m.triangles);
   auto options = plain_options();
   options.stiffness = 4e8;
@@ -248,10 +258,12 @@ TEST(ContactForces, an_impact_conserves_momentum_and_energy) {
   const double dt = 2e-6;
   double contact_peak = 0, worst = 0;
   for (int step = 0; step < 1500; ++step) {
-    for (int n = 0; n < s.solid_nodes; ++n) Eigen::Map<Vec3>(v.data() + 3 * n) += 0.5 * dt / mass[n] * Eigen::Map<const Vec3>(forces.data() + 3 * n);
+    for (int n = 0; n < s.solid_nodes; ++n)
+      Eigen::Map<Vec3>(v.data() + 3 * n) += 0.5 * dt / mass[n] * Eigen::Map<const Vec3>(forces.data() + 3 * n);
     for (std::size_t k = 0; k < x.size(); ++k) x[k] += dt * v[k];
     evaluate();
-    for (int n = 0; n < s.solid_nodes; ++n) Eigen::Map<Vec3>(v.data() + 3 * n) += 0.5 * dt / mass[n] * Eigen::Map<const Vec3>(forces.data() + 3 * n);
+    for (int n = 0; n < s.solid_nodes; ++n)
+      Eigen::Map<Vec3>(v.data() + 3 * n) += 0.5 * dt / mass[n] * Eigen::Map<const Vec3>(forces.data() + 3 * n);
     contact_peak = std::max(contact_peak, result.potential_energy);
     worst = std::max(worst, std::abs(kinetic() + elastic + result.potential_energy - energy));
   }
@@ -272,7 +284,8 @@ Slide slide(double slope, int steps) {
   OneThread one_thread;
   TriangleMesh m;
   m.add_sheet(10, 6, 5 * mm, 3 * mm, [&](const Vec3& p) -> Vec3 { return {p[0], p[1], slope * std::abs(p[0] - 2.5 * mm)}; });
-  const auto probe = m.add_sheet(1, 1, 0.4 * mm, 0.4 * mm, [](const Vec3& p) -> Vec3 { return p; }, true);
+  const auto probe = m.add_sheet(
+      1, 1, 0.4 * mm, 0.4 * mm, [](const Vec3& p) -> Vec3 { return p; }, true);
   const auto s = contact_surface_from_triangles(m.x, m.triangles);
   auto options = plain_options();
   options.threshold = 0.3 * mm;
@@ -322,7 +335,8 @@ TEST(ContactForces, change_continuously_when_a_node_slides_over_edges) {
 TEST(ContactForces, the_callers_node_stiffness_replaces_the_area_rule) {
   TriangleMesh m;
   m.add_sheet(6, 6, 3 * mm, 3 * mm, [](const Vec3& p) -> Vec3 { return p; });
-  m.add_sheet(5, 5, 3 * mm, 3 * mm, [](const Vec3& p) -> Vec3 { return p + Vec3(0, 0, 0.1 * mm); }, true);
+  m.add_sheet(
+      5, 5, 3 * mm, 3 * mm, [](const Vec3& p) -> Vec3 { return p + Vec3(0, 0, 0.1 * mm); }, true);
   const auto s = contact_surface_from_triangles(m.x, m.triangles);
   SelfContact contact(s, plain_options());
   std::vector<double> k(s.nodes.size());
@@ -351,8 +365,8 @@ TEST(ContactForces, positions_that_are_not_finite_stop_the_run) {
 TEST(ContactForces, meaningless_options_are_refused) {
   WavySheets w(0.15 * mm);
   const auto s = contact_surface_from_triangles(w.mesh.x, w.mesh.triangles);
-  for (auto change : {+[](ContactOptions& o) { o.threshold = 0; }, +[](ContactOptions& o) { o.friction = -1; }, +[](ContactOptions& o) { o.stiffness = std::nan(""); },
-                      +[](ContactOptions& o) { o.skin = -1; }}) {
+  for (auto change : {+[](ContactOptions& o) { o.threshold = 0; }, +[](ContactOptions& o) { o.friction = -1; },
+                      +[](ContactOptions& o) { o.stiffness = std::nan(""); }, +[](ContactOptions& o) { o.skin = -1; }}) {
     auto options = plain_options();
     change(options);
     EXPECT_THROW(SelfContact(s, options), InputError);

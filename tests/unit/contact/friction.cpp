@@ -26,7 +26,8 @@ struct Incline {
 
   Incline() {
     mesh.add_sheet(40, 10, 20 * mm, 5 * mm, [&](const Vec3& p) -> Vec3 { return turn * p; });
-    block = mesh.add_sheet(6, 5, 2.6 * mm, 2.2 * mm, [&](const Vec3& p) -> Vec3 { return turn * (p + Vec3(3 * mm, 1.3 * mm, 0.2 * mm)); }, true);
+    block = mesh.add_sheet(
+        6, 5, 2.6 * mm, 2.2 * mm, [&](const Vec3& p) -> Vec3 { return turn * (p + Vec3(3 * mm, 1.3 * mm, 0.2 * mm)); }, true);
     surface = contact_surface_from_triangles(mesh.x, mesh.triangles);
     options.threshold = 0.2 * mm;
     options.stiffness = 5e6;
@@ -73,7 +74,8 @@ TEST(ContactFriction, holds_below_the_friction_angle) {
   loss = s.dissipated - loss;
   const double weight = s.mass * gravity;
   EXPECT_NEAR(result.normal_force, weight * std::cos(angle), 0.06 * weight);
-  // Without friction it would slide more than 10 mm in these 0.12 s. It swings within the elastic slip, mu * overlap / ratio each way.
+  // Without friction it would slide more than 10 mm in these 0.12 s. It swings within the elastic slip, mu * overlap / ratio each
+  // way.
   const double overlap = s.options.threshold - result.min_gap;
   EXPECT_LT(std::abs(s.moved.dot(along) - settled), 2 * 0.3 * overlap / s.options.tangential_ratio);
   EXPECT_LT(loss, 0.01 * weight * 1 * mm);

@@ -32,8 +32,8 @@ int sign(Wide v) { return v > 0 ? 1 : (v < 0 ? -1 : 0); }
 Integer normal_of(const IntegerCorners& t) { return cross(minus(t[1], t[0]), minus(t[2], t[0])); }
 bool is_degenerate(const IntegerCorners& t) { return normal_of(t) == Integer{0, 0, 0}; }
 
-/// Oracle: two convex bodies are disjoint when an axis separates them; for triangles the two normals, the nine products of edges and
-/// the in-plane normals of the edges suffice. Integer arithmetic, no rounding; another method than the code under test.
+/// Oracle: two convex bodies are disjoint when an axis separates them; for triangles the two normals, the nine products of edges
+/// and the in-plane normals of the edges suffice. Integer arithmetic, no rounding; another method than the code under test.
 bool oracle_intersect(const IntegerCorners& a, const IntegerCorners& b) {
   const Integer na = normal_of(a), nb = normal_of(b);
   std::vector<Integer> axes{na, nb};
@@ -56,8 +56,12 @@ bool oracle_intersect(const IntegerCorners& a, const IntegerCorners& b) {
   return true;
 }
 
-Vec3 to_double(const Integer& p, double scale) { return scale * Vec3(static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])); }
-Corners to_double(const IntegerCorners& t, double scale) { return {to_double(t[0], scale), to_double(t[1], scale), to_double(t[2], scale)}; }
+Vec3 to_double(const Integer& p, double scale) {
+  return scale * Vec3(static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2]));
+}
+Corners to_double(const IntegerCorners& t, double scale) {
+  return {to_double(t[0], scale), to_double(t[1], scale), to_double(t[2], scale)};
+}
 
 TEST(ExactPredicates, orientation_agrees_with_integers_close_to_degeneracy) {
   // Points of a plane far from the origin, moved by single units: the filter cannot decide, the expansions must.
@@ -70,7 +74,8 @@ TEST(ExactPredicates, orientation_agrees_with_integers_close_to_degeneracy) {
     const auto combine = [&](std::int64_t s, std::int64_t t) {
       return Integer{a[0] + s * u[0] + t * w[0] + step(random), a[1] + s * u[1] + t * w[1], a[2] + s * u[2] + t * w[2]};
     };
-    const Integer b = combine(large(random), small(random)), c = combine(small(random), large(random)), d = combine(large(random), large(random));
+    const Integer b = combine(large(random), small(random)), c = combine(small(random), large(random)),
+                  d = combine(large(random), large(random));
     const Wide det = dot(minus(a, d), cross(minus(b, d), minus(c, d)));
     const double scale = std::ldexp(1.0, -30);
     EXPECT_EQ(orientation_3d(to_double(a, scale), to_double(b, scale), to_double(c, scale), to_double(d, scale)), sign(det));
@@ -93,20 +98,24 @@ TEST(ExactPredicates, orientation_sees_one_unit_in_the_last_place) {
 
 TEST(TriangleIntersection, known_cases) {
   const Corners t{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
-  const auto hits = [&](const Vec3& a, const Vec3& b, const Vec3& c) { return triangles_intersect(t, {a, b, c}) && triangles_intersect({a, b, c}, t); };
-  const auto misses = [&](const Vec3& a, const Vec3& b, const Vec3& c) { return !triangles_intersect(t, {a, b, c}) && !triangles_intersect({a, b, c}, t); };
-  EXPECT_TRUE(hits({0.2, 0.2, -1}, {0.2, 0.2, 1}, {5, 5, 0}));              // pierced
-  EXPECT_TRUE(misses({0.2, 0.2, 1e-300}, {0.2, 0.2, 1}, {5, 5, 1}));        // barely above
-  EXPECT_TRUE(hits({0.2, 0.2, 0}, {0.2, 0.2, 1}, {5, 5, 1}));               // touched by a corner
-  EXPECT_TRUE(hits({0.5, 0.5, -1}, {0.5, 0.5, 1}, {5, 5, 0}));              // touched on its edge
+  const auto hits = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+    return triangles_intersect(t, {a, b, c}) && triangles_intersect({a, b, c}, t);
+  };
+  const auto misses = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+    return !triangles_intersect(t, {a, b, c}) && !triangles_intersect({a, b, c}, t);
+  };
+  EXPECT_TRUE(hits({0.2, 0.2, -1}, {0.2, 0.2, 1}, {5, 5, 0}));        // pierced
+  EXPECT_TRUE(misses({0.2, 0.2, 1e-300}, {0.2, 0.2, 1}, {5, 5, 1}));  // barely above
+  EXPECT_TRUE(hits({0.2, 0.2, 0}, {0.2, 0.2, 1}, {5, 5, 1}));         // touched by a corner
+  EXPECT_TRUE(hits({0.5, 0.5, -1}, {0.5, 0.5, 1}, {5, 5, 0}));        // touched on its edge
   EXPECT_TRUE(misses({0.5 + 1e-15, 0.5, -1}, {0.5 + 1e-15, 0.5, 1}, {5, 5, 0}));
-  EXPECT_TRUE(hits({0, 0, 0}, {-1, 0, 1}, {-1, 0, -1}));                    // corner on corner
-  EXPECT_TRUE(hits({0.1, 0.1, 0}, {0.2, 0.1, 0}, {0.1, 0.2, 0}));           // coplanar, inside
-  EXPECT_TRUE(hits({-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}));                   // coplanar, around
-  EXPECT_TRUE(hits({1, 0, 0}, {2, 0, 0}, {2, 1, 0}));                       // coplanar, a corner touches
-  EXPECT_TRUE(hits({0.25, 0, 0}, {0.75, 0, 0}, {0.5, -1, 0}));              // coplanar, edges overlap
+  EXPECT_TRUE(hits({0, 0, 0}, {-1, 0, 1}, {-1, 0, -1}));           // corner on corner
+  EXPECT_TRUE(hits({0.1, 0.1, 0}, {0.2, 0.1, 0}, {0.1, 0.2, 0}));  // coplanar, inside
+  EXPECT_TRUE(hits({-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}));          // coplanar, around
+  EXPECT_TRUE(hits({1, 0, 0}, {2, 0, 0}, {2, 1, 0}));              // coplanar, a corner touches
+  EXPECT_TRUE(hits({0.25, 0, 0}, {0.75, 0, 0}, {0.5, -1, 0}));     // coplanar, edges overlap
   EXPECT_TRUE(misses({1 + 1e-15, 0, 0}, {2, 0, 0}, {2, 1, 0}));
-  EXPECT_TRUE(misses({0, 0, 1}, {1, 0, 1}, {0, 1, 1}));                     // parallel
+  EXPECT_TRUE(misses({0, 0, 1}, {1, 0, 1}, {0, 1, 1}));  // parallel
 }
 
 TEST(TriangleIntersection, random_pairs_agree_with_integer_arithmetic) {
@@ -131,7 +140,8 @@ TEST(TriangleIntersection, random_pairs_agree_with_integer_arithmetic) {
       const bool expected = oracle_intersect(a, b);
       intersecting += expected;
       const double scale = std::ldexp(1.0, -10);
-      ASSERT_EQ(triangles_intersect(to_double(a, scale), to_double(b, scale)), expected) << "range " << range << " trial " << trial;
+      ASSERT_EQ(triangles_intersect(to_double(a, scale), to_double(b, scale)), expected)
+          << "range " << range << " trial " << trial;
     }
   }
   EXPECT_GT(intersecting, 5000);
@@ -139,9 +149,12 @@ TEST(TriangleIntersection, random_pairs_agree_with_integer_arithmetic) {
 }
 
 /// All pairs, integers, the convention of the header.
-std::vector<std::pair<int, int>> oracle_self_intersections(const std::vector<Integer>& points, const std::vector<std::array<int, 3>>& triangles) {
+std::vector<std::pair<int, int>> oracle_self_intersections(const std::vector<Integer>& points,
+                                                           const std::vector<std::array<int, 3>>& triangles) {
   std::vector<std::pair<int, int>> pairs;
-  const auto corners = [&](int f) { return IntegerCorners{points[triangles[f][0]], points[triangles[f][1]], points[triangles[f][2]]}; };
+  const auto corners = [&](int f) {
+    return IntegerCorners{points[triangles[f][0]], points[triangles[f][1]], points[triangles[f][2]]};
+  };
   for (int f = 0; f < static_cast<int>(triangles.size()); ++f) {
     if (is_degenerate(corners(f))) {
       pairs.emplace_back(f, f);
@@ -159,11 +172,12 @@ std::vector<std::pair<int, int>> oracle_self_intersections(const std::vector<Int
         hit = oracle_intersect(corners(f), corners(g));
       } else if (shared.size() == 2) {
         const Integer e = minus(points[shared[1]], points[shared[0]]);
-        const Integer nf = cross(e, minus(points[only_f[0]], points[shared[0]])), ng = cross(e, minus(points[only_g[0]], points[shared[0]]));
+        const Integer nf = cross(e, minus(points[only_f[0]], points[shared[0]])),
+                      ng = cross(e, minus(points[only_g[0]], points[shared[0]]));
         hit = cross(nf, ng) == Integer{0, 0, 0} && dot(nf, ng) > 0;
       } else if (shared.size() == 1) {
-        // Triangles that meet in more than their corner: shrink one towards the far side of the corner by moving it by 1/1000 into its opposite
-        // edge's direction; integers stay exact because all coordinates are scaled by 1000 first.
+        // Triangles that meet in more than their corner: shrink one towards the far side of the corner by moving it by 1/1000
+        // into its opposite edge's direction; integers stay exact because all coordinates are scaled by 1000 first.
         const auto shrunk = [&](int h, const std::vector<int>& others) {
           IntegerCorners t;
           const Integer c = points[shared[0]];
@@ -180,7 +194,8 @@ std::vector<std::pair<int, int>> oracle_self_intersections(const std::vector<Int
           }
           return t;
         };
-        // The opposite edge of one meets the other exactly when the pair meets away from the common corner; shrinking keeps that edge.
+        // The opposite edge of one meets the other exactly when the pair meets away from the common corner; shrinking keeps that
+        // edge.
         hit = oracle_intersect(shrunk(f, only_f), scaled(g)) || oracle_intersect(scaled(f), shrunk(g, only_g));
       } else {
         hit = true;
@@ -267,7 +282,8 @@ TEST(SelfIntersection, one_huge_triangle_does_not_hide_pairs) {
   std::size_t expected = 0;
   for (std::size_t f = 0; f + 1 < m.triangles.size(); ++f) {
     const auto& t = m.triangles[f];
-    expected += triangles_intersect({points[t[0]], points[t[1]], points[t[2]]}, {points[first], points[first + 1], points[first + 2]});
+    expected +=
+        triangles_intersect({points[t[0]], points[t[1]], points[t[2]]}, {points[first], points[first + 1], points[first + 2]});
   }
   EXPECT_GE(expected, 12u);
   EXPECT_EQ(result.size(), expected);

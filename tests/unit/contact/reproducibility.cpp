@@ -22,7 +22,8 @@ struct Rubbing {
 
   Rubbing() {
     mesh.add_sheet(30, 20, 15 * mm, 10 * mm, [](const Vec3& p) -> Vec3 { return p; });
-    upper = mesh.add_sheet(25, 18, 12 * mm, 8 * mm, [](const Vec3& p) -> Vec3 { return p + Vec3(1 * mm, 1 * mm, 0.1 * mm); }, true);
+    upper = mesh.add_sheet(
+        25, 18, 12 * mm, 8 * mm, [](const Vec3& p) -> Vec3 { return p + Vec3(1 * mm, 1 * mm, 0.1 * mm); }, true);
     surface = contact_surface_from_triangles(mesh.x, mesh.triangles);
     options.thickness = 0;
     options.stiffness = 1e8;
@@ -50,7 +51,8 @@ bool same_bytes(const std::vector<double>& a, const std::vector<double>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
 }
 
-std::vector<double> trajectory(const Rubbing& r, const ContactOptions& options, int first, int last, std::vector<double>& history, int search_at = -1) {
+std::vector<double> trajectory(const Rubbing& r, const ContactOptions& options, int first, int last, std::vector<double>& history,
+                               int search_at = -1) {
   SelfContact contact(r.surface, options);
   if (!history.empty()) contact.import_history(history);
   std::vector<double> x, v, forces(r.mesh.x.size()), out;
@@ -60,7 +62,8 @@ std::vector<double> trajectory(const Rubbing& r, const ContactOptions& options, 
     std::fill(forces.begin(), forces.end(), 0.0);
     const auto result = contact.evaluate(x, v, 1e-5, forces);
     out.insert(out.end(), forces.begin(), forces.end());
-    out.insert(out.end(), {result.normal_force, result.potential_energy, result.friction_energy, result.friction_dissipation, result.min_gap, result.contact_area});
+    out.insert(out.end(), {result.normal_force, result.potential_energy, result.friction_energy, result.friction_dissipation,
+                           result.min_gap, result.contact_area});
     out.insert(out.end(), contact.gap().begin(), contact.gap().end());
     out.insert(out.end(), contact.pressure().begin(), contact.pressure().end());
   }

@@ -15,7 +15,8 @@ constexpr double mm = 1e-3;
 constexpr double pi = std::numbers::pi;
 
 TetMesh leaflet(double length, double width) {
-  return tet_box(static_cast<int>(std::lround(length / (0.5 * mm))), static_cast<int>(std::lround(width / (0.5 * mm))), 2, length, width, 1 * mm);
+  return tet_box(static_cast<int>(std::lround(length / (0.5 * mm))), static_cast<int>(std::lround(width / (0.5 * mm))), 2, length,
+                 width, 1 * mm);
 }
 
 /// Bends the sheet [0, length] x [0, width] x [0, 1 mm] into a cylinder whose inner face (z = 1 mm) has the given radius.
@@ -40,7 +41,8 @@ std::vector<double> serpentine(const TetMesh& m, double run, double clearance) {
   });
 }
 
-ContactResult evaluate(const ContactSurface& s, const std::vector<double>& x, const ContactOptions& options, std::vector<double>* gap = nullptr) {
+ContactResult evaluate(const ContactSurface& s, const std::vector<double>& x, const ContactOptions& options,
+                       std::vector<double>* gap = nullptr) {
   SelfContact contact(s, options);
   std::vector<double> v(x.size(), 0.0), forces(x.size(), 0.0);
   const auto result = contact.evaluate(x, v, 1e-5, forces);
@@ -71,7 +73,9 @@ TEST(SelfTriggering, squeezing_and_stretching_the_leaflet_is_not_contact) {
   const auto s = extract_contact_surface(m.x, m.tets, 1, m.side, ContactFaces::both);
   ContactOptions options;
   for (double thin : {1.0, 0.6, 0.3}) {  // incompressible: thin and wide, or thick and narrow
-    const auto squeezed = m.mapped([&](const Vec3& p) -> Vec3 { return {p[0] / std::sqrt(thin), p[1] / std::sqrt(thin), p[2] * thin}; });
+    const auto squeezed = m.mapped([&](const Vec3& p) -> Vec3 {
+      return {p[0] / std::sqrt(thin), p[1] / std::sqrt(thin), p[2] * thin};
+    });
     EXPECT_EQ(evaluate(s, squeezed, options).active_nodes, 0) << thin;
     const auto narrowed = m.mapped([&](const Vec3& p) -> Vec3 { return {p[0] * thin, p[1], p[2] / thin}; });
     EXPECT_EQ(evaluate(s, narrowed, options).active_nodes, 0) << thin;
@@ -124,7 +128,8 @@ TEST(SelfTriggering, a_thin_serpentine_touches_exactly_across_its_folds) {
 }
 
 TEST(SelfTriggering, a_leaflet_pressed_flat_between_two_others_feels_both_and_nothing_through_itself) {
-  // Three separate leaflets stacked: the outer ones must not see each other through the middle one, even with a threshold above its thickness.
+  // Three separate leaflets stacked: the outer ones must not see each other through the middle one, even with a threshold above
+  // its thickness.
   TetMesh stack;
   const TetMesh one = leaflet(5 * mm, 5 * mm);
   for (int k = 0; k < 3; ++k) {

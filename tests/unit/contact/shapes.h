@@ -34,7 +34,9 @@ struct TriangleMesh {
       }
     }
     const auto id = [&](int i, int j) { return first + i + (nu + 1) * j; };
-    const auto add = [&](int a, int b, int c) { triangles.push_back(down ? std::array<int, 3>{a, c, b} : std::array<int, 3>{a, b, c}); };
+    const auto add = [&](int a, int b, int c) {
+      triangles.push_back(down ? std::array<int, 3>{a, c, b} : std::array<int, 3>{a, b, c});
+    };
     for (int j = 0; j < nv; ++j) {
       for (int i = 0; i < nu; ++i) {
         if ((i + j) % 2 == 0) {
@@ -51,9 +53,9 @@ struct TriangleMesh {
 };
 
 struct TetMesh {
-  std::vector<double> x;                    // rest
+  std::vector<double> x;  // rest
   std::vector<std::array<int, 10>> tets;
-  std::vector<int> side;                    // +1 top (z max), -1 bottom, 0 between
+  std::vector<int> side;  // +1 top (z max), -1 bottom, 0 between
 
   Vec3 point(int n) const { return {x[3 * n], x[3 * n + 1], x[3 * n + 2]}; }
   std::vector<double> mapped(const Mapping& map) const {

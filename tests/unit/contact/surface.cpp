@@ -41,13 +41,15 @@ double total_area(const ContactSurface& s) { return std::accumulate(s.reference_
 
 TEST(ContactSurface, boundary_of_a_box_is_closed_outward_and_complete) {
   TetMesh m = tet_box(4, 3, 2, 2e-3, 1.5e-3, 1e-3);
-  for (std::size_t k = 0; k < m.tets.size(); k += 3) std::swap(m.tets[k][0], m.tets[k][1]);  // element orientation must not matter
+  for (std::size_t k = 0; k < m.tets.size(); k += 3)
+    std::swap(m.tets[k][0], m.tets[k][1]);  // element orientation must not matter
   const auto s = extract_contact_surface(m.x, m.tets, 1, m.side, ContactFaces::both);
   EXPECT_EQ(s.triangle_count(), 2 * 2 * (4 * 3 + 4 * 2 + 3 * 2));
   EXPECT_NEAR(enclosed_volume(s), 3e-9, 1e-20);
   // The border's nodes belong to the faces: of the rim only the share of its middle nodes is counted.
   double top = 0, bottom = 0, rim = 0;
-  for (int n = 0; n < s.node_count(); ++n) (s.node_side[n] > 0 ? top : (s.node_side[n] < 0 ? bottom : rim)) += s.reference_area[n];
+  for (int n = 0; n < s.node_count(); ++n)
+    (s.node_side[n] > 0 ? top : (s.node_side[n] < 0 ? bottom : rim)) += s.reference_area[n];
   EXPECT_NEAR(top, 3e-6, 1e-16);
   EXPECT_NEAR(bottom, 3e-6, 1e-16);
   EXPECT_NEAR(rim, 0.5 * 7e-6, 1e-16);

@@ -18,7 +18,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double milliseconds(Clock::time_point since) { return std::chrono::duration<double, std::milli>(Clock::now() - since).count(); }
 
-/// Smallest elapsed and processor time (all threads) of some repetitions, in ms. On a busy machine only the second one means anything.
+/// Smallest elapsed and processor time (all threads) of some repetitions, in ms. On a busy machine only the second one means
+/// anything.
 struct Cost {
   double elapsed = 1e9, processor = 1e9;
 };
@@ -77,10 +78,12 @@ TEST(ContactTiming, DISABLED_timing_of_two_leaflets_in_contact) {
     const Cost step = cost(300, [&] { result = contact.evaluate(x, v, 1e-5, forces); });
     const Cost gaps = cost(5, [&] { contact.closest_gaps(x, 4 * mm, true, closest); });
     const Cost exact = cost(3, [&] { crossings = self_intersections(s, x).size(); });
-    std::printf("threads %d: active %d, pairs %ld; elapsed (processor) ms: search %.2f (%.2f), evaluate %.3f (%.3f), closest gaps to 4 mm %.1f (%.1f), "
-                "self-intersection %.1f (%.1f), %zu crossings\n",
-                threads, result.active_nodes, contact.candidate_pairs(), search.elapsed, search.processor, step.elapsed, step.processor, gaps.elapsed,
-                gaps.processor, exact.elapsed, exact.processor, crossings);
+    std::printf(
+        "threads %d: active %d, pairs %ld; elapsed (processor) ms: search %.2f (%.2f), evaluate %.3f (%.3f), closest gaps to 4 "
+        "mm %.1f (%.1f), "
+        "self-intersection %.1f (%.1f), %zu crossings\n",
+        threads, result.active_nodes, contact.candidate_pairs(), search.elapsed, search.processor, step.elapsed, step.processor,
+        gaps.elapsed, gaps.processor, exact.elapsed, exact.processor, crossings);
     EXPECT_GT(result.active_nodes, 2000);
   }
 }

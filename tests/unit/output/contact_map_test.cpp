@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "solver/output/contact_map.h"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -6,7 +8,6 @@
 #include <filesystem>
 #include <map>
 
-#include "solver/output/contact_map.h"
 #include "support/synthetic_results.h"
 
 namespace fs = std::filesystem;
@@ -36,7 +37,9 @@ TEST(ContactMapTest, boundary_is_closed_and_points_out) {
     double volume = 0;
     for (const auto& t : faces.triangles) {
       for (std::size_t k = 0; k < 3; ++k) ++edges[{t[k], t[(k + 1) % 3]}];
-      const auto x = [&](int k) -> const Vec3& { return valve.mesh.points[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])]; };
+      const auto x = [&](int k) -> const Vec3& {
+        return valve.mesh.points[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])];
+      };
       volume += x(0).dot(x(1).cross(x(2))) / 6;
     }
     for (const auto& [edge, count] : edges) {
@@ -45,7 +48,9 @@ TEST(ContactMapTest, boundary_is_closed_and_points_out) {
     }
     double solid = 0;
     for (const auto& t : valve.mesh.tets) {
-      const auto x = [&](int k) -> const Vec3& { return valve.mesh.points[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])]; };
+      const auto x = [&](int k) -> const Vec3& {
+        return valve.mesh.points[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])];
+      };
       solid += (x(1) - x(0)).cross(x(2) - x(0)).dot(x(3) - x(0)) / 6;
     }
     EXPECT_NEAR(volume, solid, 1e-9 * solid) << "order " << order;
@@ -61,7 +66,8 @@ TEST(ContactMapTest, covers_the_flat_pattern_once_without_triangles_across_it) {
   EXPECT_NEAR(area_of(map), expected, 0.02 * expected);
   for (const auto& t : map.triangles)
     for (std::size_t k = 0; k < 3; ++k)
-      EXPECT_LT(std::abs(map.points[static_cast<std::size_t>(t[k])].x() - map.points[static_cast<std::size_t>(t[(k + 1) % 3])].x()), 2);
+      EXPECT_LT(
+          std::abs(map.points[static_cast<std::size_t>(t[k])].x() - map.points[static_cast<std::size_t>(t[(k + 1) % 3])].x()), 2);
   double u_max = 0;
   for (const Vec2& p : map.points) u_max = std::max(u_max, p.x());
   EXPECT_NEAR(u_max, valve.perimeter, 0.05);

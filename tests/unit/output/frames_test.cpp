@@ -19,7 +19,8 @@ namespace {
 class Frames : public testing::Test {
  protected:
   void SetUp() override {
-    results_ = fs::temp_directory_path() / ("mv_frames_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    results_ =
+        fs::temp_directory_path() / ("mv_frames_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(results_);
     frame_.origin = Vec3(10, 20, 30);
     frame_.axes = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
@@ -138,7 +139,8 @@ TEST_F(Frames, collection_lists_every_frame_in_seconds) {
   EXPECT_DOUBLE_EQ(entries[2].time, 0.02);
   EXPECT_EQ(entries[2].file, "frames/leaflets_0002.vtu");
   for (const PvdEntry& e : entries) EXPECT_TRUE(fs::exists(results_ / e.file));
-  for (const auto& item : fs::recursive_directory_iterator(results_)) EXPECT_EQ(item.path().string().find(".tmp"), std::string::npos);
+  for (const auto& item : fs::recursive_directory_iterator(results_))
+    EXPECT_EQ(item.path().string().find(".tmp"), std::string::npos);
 }
 
 TEST_F(Frames, resuming_drops_what_came_after_the_checkpoint) {

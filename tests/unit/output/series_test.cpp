@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "solver/output/series.h"
+
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -9,7 +11,6 @@
 
 #include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
-#include "solver/output/series.h"
 
 namespace fs = std::filesystem;
 using namespace mv;
@@ -19,7 +20,8 @@ namespace {
 class Series : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("mv_series_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    folder_ =
+        fs::temp_directory_path() / ("mv_series_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }
@@ -107,7 +109,8 @@ TEST_F(Series, chordae_columns_name_kind_leaflet_and_muscle) {
   chordae.points.resize(3);
   chordae.segments.push_back({0, 1, ChordaKind::primary, 0, anterior, 1, 1});
   chordae.segments.push_back({0, 2, ChordaKind::secondary, 1, posterior, 1, 1});
-  EXPECT_EQ(chordae_columns(chordae), (std::vector<std::string>{"time_s", "primary_00_anterior_m0_N", "secondary_01_posterior_m1_N"}));
+  EXPECT_EQ(chordae_columns(chordae),
+            (std::vector<std::string>{"time_s", "primary_00_anterior_m0_N", "secondary_01_posterior_m1_N"}));
   ChordaeSeriesWriter writer(folder_, chordae);
   writer.append(0.25, std::vector<double>{0.5, 1.5});
   EXPECT_EQ(read_file(folder_ / "chordae.csv"), "time_s,primary_00_anterior_m0_N,secondary_01_posterior_m1_N\n0.25,0.5,1.5\n");

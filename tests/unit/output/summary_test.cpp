@@ -21,7 +21,8 @@ TEST(SummaryTest, dots_nest_and_order_is_kept) {
   s.set("flow.leak_rate_ml_s", 0.25);
   s.set("seal.threshold_mm", 0.6);
   s.set("papillary.force_N", Json{1.5, 2.5});
-  EXPECT_EQ(s.json().dump(), R"({"seal":{"sealed":true,"threshold_mm":0.6},"flow":{"leak_rate_ml_s":0.25},"papillary":{"force_N":[1.5,2.5]}})");
+  EXPECT_EQ(s.json().dump(),
+            R"({"seal":{"sealed":true,"threshold_mm":0.6},"flow":{"leak_rate_ml_s":0.25},"papillary":{"force_N":[1.5,2.5]}})");
   EXPECT_EQ(json_at(s.json(), "seal.threshold_mm").get<double>(), 0.6);
   EXPECT_TRUE(json_at(s.json(), "seal.absent").is_null());
   EXPECT_TRUE(json_at(s.json(), "seal.sealed.deeper").is_null());

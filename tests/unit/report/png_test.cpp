@@ -44,7 +44,9 @@ Image decode(const std::string& png) {
   const int bytes = 3 * image.width;
   std::string raw(static_cast<std::size_t>((bytes + 1) * image.height), '\0');
   uLongf size = raw.size();
-  EXPECT_EQ(uncompress(reinterpret_cast<Bytef*>(raw.data()), &size, reinterpret_cast<const Bytef*>(chunks["IDAT"].data()), chunks["IDAT"].size()), Z_OK);
+  EXPECT_EQ(uncompress(reinterpret_cast<Bytef*>(raw.data()), &size, reinterpret_cast<const Bytef*>(chunks["IDAT"].data()),
+                       chunks["IDAT"].size()),
+            Z_OK);
   EXPECT_EQ(size, raw.size());
   image.rgb.resize(static_cast<std::size_t>(bytes * image.height));
   const auto pixel = [&](int y, int i) -> int { return y < 0 || i < 0 ? 0 : image.rgb[static_cast<std::size_t>(y * bytes + i)]; };
@@ -60,7 +62,8 @@ Image decode(const std::string& png) {
         const int p = left + up - corner, a = std::abs(p - left), b = std::abs(p - up), c = std::abs(p - corner);
         predicted = a <= b && a <= c ? left : b <= c ? up : corner;
       }
-      image.rgb[static_cast<std::size_t>(y * bytes + i)] = static_cast<unsigned char>(raw[static_cast<std::size_t>(y * (bytes + 1) + 1 + i)] + predicted);
+      image.rgb[static_cast<std::size_t>(y * bytes + i)] =
+          static_cast<unsigned char>(raw[static_cast<std::size_t>(y * (bytes + 1) + 1 + i)] + predicted);
     }
   }
   return image;

@@ -62,7 +62,8 @@ TEST(Raster, a_triangle_lies_where_it_should_and_covers_its_area) {
 }
 
 TEST(Raster, the_nearer_surface_wins_whatever_the_order) {
-  const ColouredMesh low = triangle({-4, -4, 0}, {4, -4, 0}, {0, 4, 0}, red), high = triangle({-4, -4, 1}, {4, -4, 1}, {0, 4, 1}, blue);
+  const ColouredMesh low = triangle({-4, -4, 0}, {4, -4, 0}, {0, 4, 0}, red),
+                     high = triangle({-4, -4, 1}, {4, -4, 1}, {0, 4, 1}, blue);
   for (bool is_low_first : {true, false}) {
     Canvas canvas(100, 100, top_view());
     canvas.draw(is_low_first ? low : high);

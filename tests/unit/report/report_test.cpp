@@ -26,7 +26,8 @@ constexpr test::SyntheticOptions small{.columns = 72, .rows = 10};
 class Report : public testing::Test {
  protected:
   void SetUp() override {
-    results_ = fs::temp_directory_path() / ("mv_report_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    results_ =
+        fs::temp_directory_path() / ("mv_report_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(results_);
   }
   void TearDown() override { fs::remove_all(results_); }
@@ -47,13 +48,33 @@ std::size_t times(const std::string& page, const std::string& text) {
 
 TEST_F(Report, page_holds_every_section_and_figure_and_loads_nothing) {
   std::string page = make();
-  for (const char* part : {"id=\"verdict\"", "id=\"numbers\"", "id=\"map\"", "id=\"views\"", "id=\"flow\"", "id=\"contact\"", "id=\"chordae\"", "id=\"trust\"", "id=\"mesh\"",
-                           "id=\"settings\"", "id=\"fig-map\"", "id=\"fig-flow\"", "id=\"fig-contact\"", "id=\"fig-chordae\"", "id=\"fig-chordae-bars\"", "id=\"fig-energy\"", "id=\"fig-step\"",
-                           "leaflets.dihedral_min_deg", "21.7 deg", "≥ 10", "gcc 12.2.0", "aaaaaaaaaaaaaaaaaaaa"})
+  for (const char* part : {"id=\"verdict\"",
+                           "id=\"numbers\"",
+                           "id=\"map\"",
+                           "id=\"views\"",
+                           "id=\"flow\"",
+                           "id=\"contact\"",
+                           "id=\"chordae\"",
+                           "id=\"trust\"",
+                           "id=\"mesh\"",
+                           "id=\"settings\"",
+                           "id=\"fig-map\"",
+                           "id=\"fig-flow\"",
+                           "id=\"fig-contact\"",
+                           "id=\"fig-chordae\"",
+                           "id=\"fig-chordae-bars\"",
+                           "id=\"fig-energy\"",
+                           "id=\"fig-step\"",
+                           "leaflets.dihedral_min_deg",
+                           "21.7 deg",
+                           "≥ 10",
+                           "gcc 12.2.0",
+                           "aaaaaaaaaaaaaaaaaaaa"})
     EXPECT_TRUE(has(page, part)) << part;
   EXPECT_TRUE(has(page, "<strong class=\"word\">Sealed</strong>"));
   EXPECT_EQ(times(page, "data:image/png;base64,"), 8u);
-  for (const char* picture : {"open_atrial", "closed_atrial", "closed_ventricular", "closed_cut", "contact_map", "overview", "stress_atrial"})
+  for (const char* picture :
+       {"open_atrial", "closed_atrial", "closed_ventricular", "closed_cut", "contact_map", "overview", "stress_atrial"})
     EXPECT_GT(fs::file_size(results_ / "pictures" / (std::string(picture) + ".png")), 5000u) << picture;
   EXPECT_EQ(read_file(write_report(results_)), page) << "the same results must give the same bytes";
 
@@ -97,7 +118,9 @@ TEST_F(Report, a_summary_alone_is_enough_and_missing_parts_are_said) {
   const std::string page = read_file(write_report(results_));
   EXPECT_TRUE(has(page, "No verdict"));
   EXPECT_TRUE(has(page, "element 12 inverted"));
-  for (const char* missing : {"contact_map.vtp is not", "leaflets.pvd is not", "series.csv is not", "quality.json is not", "run.json is not"}) EXPECT_TRUE(has(page, missing)) << missing;
+  for (const char* missing :
+       {"contact_map.vtp is not", "leaflets.pvd is not", "series.csv is not", "quality.json is not", "run.json is not"})
+    EXPECT_TRUE(has(page, missing)) << missing;
 }
 
 TEST_F(Report, works_for_a_turned_valve_with_quadratic_elements) {
