@@ -14,7 +14,7 @@ constexpr double search_spacings = 4.0;
 
 }  // namespace
 
-ContactMeasure measure_contact(const Simulation& simulation, const State& state) {
+ContactMeasure measure_contact(const Simulation& simulation, const State& state, bool is_quick) {
   const Structure& structure = simulation.structure();
   const std::size_t points = static_cast<std::size_t>(structure.leaflet_nodes());
   ContactMeasure m;
@@ -32,8 +32,9 @@ ContactMeasure measure_contact(const Simulation& simulation, const State& state)
   const std::span<const double> x(state.x.data(), 3 * points);
   const NavierStokes* fluid = simulation.fluid();
   const double reach = search_spacings * (fluid ? fluid->grid().h : 1e-3 * simulation.scene().config.number_in("mesh.thickness", "mm"));
+  const bool has_recent = is_quick && state.film_gaps.size() == points;
   ClosestGaps gaps;
-  contact->closest_gaps(x, reach, true, gaps);
+  if (!has_recent) contact->closest_gaps(x, reach, true, gaps);
   std::vector<double> area(static_cast<std::size_t>(surface.node_count()));
   current_tributary_areas(surface, x, area);
   std::vector<Vec3> normals(static_cast<std::size_t>(surface.node_count()));
@@ -43,15 +44,16 @@ ContactMeasure measure_contact(const Simulation& simulation, const State& state)
     const std::size_t n = static_cast<std::size_t>(s);
     if (!surface.on_atrial_face[n]) continue;
     const std::size_t node = static_cast<std::size_t>(surface.nodes[n]);
-    // Deeper than this the other face is seen from behind.
-    if (gaps.triangle[n] < 0 || gaps.gap[n] < -contact->options().penetration_limit) continue;
-    m.gap[node] = gaps.gap[n];
-    m.in_contact[node] = gaps.gap[n] < m.threshold;
+    // Deeper than the limit the other face is seen from behind.
+    const double gap = has_recent ? state.film_gaps[node] : gaps.triangle[n] < 0 ? std::numeric_limits<double>::infinity() : gaps.gap[n];
+    if (!std::isfinite(gap) || gap < -contact->options().penetration_limit) continue;
+    m.gap[node] = gap;
+    m.in_contact[node] = gap < m.threshold;
     m.penalty[node] = pressure[n];
     if (!m.in_contact[node] && m.penalty[node] <= 0) continue;
     if (fluid && m.in_contact[node]) {
       const Vec3 here = Vec3::Map(state.x.data() + 3 * node);
-      m.film[node] = std::max(0.0, pressure_at(fluid->grid(), state.flow.pressure, 0.5 * (here + gaps.point[n])));
+      m.film[node] = std::max(0.0, pressure_at(fluid->grid(), state.flow.pressure, here + 0.5 * std::max(gap, 0.0) * normals[n]));
     }
     m.traction[node] = m.penalty[node] + m.film[node];
     m.force[node] = -m.traction[node] * area[n] * normals[n];

@@ -22,8 +22,9 @@ struct ContactMeasure {
   double area = 0;                      // m2, counted once
 };
 
-/// Needs forces evaluated at the state (Simulation::refresh or the end of a step is near enough for the series).
-ContactMeasure measure_contact(const Simulation& simulation, const State& state);
+/// Needs forces evaluated at the state (Simulation::refresh or the end of a step is near enough for the series). `is_quick` takes the gaps of
+/// the last film search, at most some twenty steps old, where there are any: a new search costs as much as several steps.
+ContactMeasure measure_contact(const Simulation& simulation, const State& state, bool is_quick = false);
 
 /// Row of series.csv except for limiter and net leak.
 SeriesRow measure_series(Simulation& simulation, const State& state, const ContactMeasure& contact);

@@ -52,7 +52,7 @@ class Recorder {
   }
 
   void series(const State& state, const std::string& limiter, double leak_net) {
-    const ContactMeasure contact = measure_contact(simulation_, state);
+    const ContactMeasure contact = measure_contact(simulation_, state, true);
     SeriesRow row = measure_series(simulation_, state, contact);
     row.limiter = limiter;
     row.leak_net_ml_s = leak_net;

@@ -16,7 +16,9 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 constexpr double metres_per_mm = 1e-3;
 // The penalty carries the largest pressure of the run at this share of the threshold.
-constexpr double penetration_share = 0.2;
+constexpr double penetration_share = 0.6;
+// Contact threshold over the fluid spacing, unless set.
+constexpr double threshold_share = 0.5;
 
 Material material_of(const Config& config, const std::string& leaflet) {
   const std::string at = "leaflet." + leaflet + ".";
@@ -96,7 +98,7 @@ Structure::Structure(const Scene& scene, double largest_pressure) : has_fluid_(s
     surface_ = extract_contact_surface(leaflet_rest, mesh.tets, mesh.order, mesh.side,
                                        config.text("contact.faces") == "inner" ? ContactFaces::inner : ContactFaces::both);
     ContactOptions options;
-    options.threshold = threshold_ = config.is_auto("contact.threshold") ? 0.2 * config.number("tube.spacing") : config.number("contact.threshold");
+    options.threshold = threshold_ = config.is_auto("contact.threshold") ? threshold_share * config.number("tube.spacing") : config.number("contact.threshold");
     options.stiffness = config.number("contact.stiffness") * largest_pressure / (penetration_share * options.threshold);
     options.friction = config.number("contact.friction");
     options.thickness = config.number("mesh.thickness");

@@ -143,7 +143,7 @@ Summary summarize(Simulation& simulation, const State& state, const ContactMeasu
     summary.set("flow.leak_window_s", facts.leak_window);
     summary.set("flow.peak_velocity_m_s", facts.peak_velocity);
   }
-  const double default_threshold_mm = simulation.fluid() ? 0.2e3 * simulation.fluid()->grid().h : 0.2;
+  const double default_threshold_mm = simulation.fluid() ? 0.5e3 * simulation.fluid()->grid().h : 0.5;
   put_seal(summary, simulation, points, structure.contact() ? 1e3 * contact.threshold : default_threshold_mm);
   if (structure.contact()) put_contact(summary, simulation, state, points, contact);
   const auto boundary = boundary_faces(scene.mesh).triangles;
