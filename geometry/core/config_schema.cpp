@@ -110,7 +110,6 @@ const Row rows[] = {
     {"leaflet.posterior.neo_mu", "pressure", "20 kPa", "0 Pa ..", "neo-Hookean: mu, see the anterior leaflet"},
     {"leaflet.bulk", "pressure", "1 MPa", "0 Pa ..", "volumetric stiffness (see solver/solid)"},
     {"leaflet.density", "density", "1060 kg/m3", "1 kg/m3 .. 20000 kg/m3", "density of the leaflets"},
-    {"leaflet.damping", "viscosity", "0 Pa s", "0 Pa s ..", "viscosity of the tissue (Kelvin-Voigt)"},
     {"leaflet.distortion_strain", "number", "0.9", "0.01 .. 0.99", "strain beyond which an element stiffens (distortion control)"},
     {"leaflet.distortion_factor", "number", "4", "0 .. 1e6", "how many times stiffer a distorted element becomes; 0 switches the control off"},
 
@@ -118,7 +117,7 @@ const Row rows[] = {
     {"contact.friction", "number", "0.2", "0 .. 10", "Coulomb coefficient; 0 leaves friction out"},
     {"contact.faces", "choice both|inner", "both", "", "faces that can touch: both, or the atrial (inner) faces only"},
     {"contact.threshold", "length?", "auto", "0 mm .. 10 mm", "gap below which faces count as touching"},
-    {"contact.stiffness", "number", "1", "0 .. 1000", "penalty stiffness in units of m/dt^2"},
+    {"contact.stiffness", "number", "1", "0 .. 1000", "factor on the penalty stiffness, which carries the largest pressure of the run at 0.6 of the threshold"},
     {"contact.search_every", "integer", "0", "0 .. 1000", "steps between two searches for candidates; 0: when the leaflets have moved far enough"},
 
     {"coupling.scheme", "choice interpolation|drained", "drained", "", "how leaflets and blood are coupled (solver/README.md)"},
