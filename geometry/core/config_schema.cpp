@@ -116,8 +116,9 @@ const Row rows[] = {
     {"contact.enabled", "flag", "true", "", "contact between the leaflets"},
     {"contact.friction", "number", "0.2", "0 .. 10", "Coulomb coefficient; 0 leaves friction out"},
     {"contact.faces", "choice both|inner", "both", "", "faces that can touch: both, or the atrial (inner) faces only"},
-    {"contact.threshold", "length?", "auto", "0 mm .. 10 mm", "gap below which faces count as touching"},
-    {"contact.stiffness", "number", "1", "0 .. 1000", "factor on the penalty stiffness, which carries the largest pressure of the run at 0.6 of the threshold"},
+    {"contact.threshold", "length?", "auto", "0 mm .. 10 mm", "gap below which faces count as touching: verdict, belt and map; auto: the fluid spacing, below which the grid carries no flow (contact.range without blood)"},
+    {"contact.range", "length?", "auto", "0 mm .. 10 mm", "gap below which faces push each other apart; auto: half the fluid spacing"},
+    {"contact.stiffness", "number", "1", "0 .. 1000", "factor on the penalty stiffness, which carries the largest pressure of the run at a fifth of contact.range"},
     {"contact.search_every", "integer", "0", "0 .. 1000", "steps between two searches for candidates; 0: when the leaflets have moved far enough"},
 
     {"coupling.scheme", "choice interpolation|drained", "drained", "", "how leaflets and blood are coupled (solver/README.md)"},

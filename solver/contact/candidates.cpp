@@ -92,10 +92,12 @@ class SolidDistance {
 
 }  // namespace
 
-CandidateSearch::CandidateSearch(const ContactSurface& surface, double exclusion_radius)
+CandidateSearch::CandidateSearch(const ContactSurface& surface, double exclusion_radius, double exclusion_radius_through)
     : surface_(surface),
       exclusion_squared_(static_cast<float>(exclusion_radius * exclusion_radius)),
-      exclusion_radius_(exclusion_radius) {
+      exclusion_squared_through_(static_cast<float>(exclusion_radius_through * exclusion_radius_through)),
+      exclusion_radius_(exclusion_radius),
+      exclusion_radius_through_(exclusion_radius_through) {
   for (const Vec3& p : surface_.reference) rest_node_.push_back(p.cast<float>());
   for (const auto& t : surface_.triangles)
     rest_centre_.push_back(((surface_.reference[t[0]] + surface_.reference[t[1]] + surface_.reference[t[2]]) / 3).cast<float>());
@@ -119,8 +121,8 @@ void CandidateSearch::find_exceptions() {
     lower = lower.cwiseMin(p);
     upper = upper.cwiseMax(p);
   }
-  const double margin = 1e-3 * exclusion_radius_ + 1e-6 * (upper - lower).norm();  // covers single precision
-  grid.reset(lower, upper, std::max(0.5 * exclusion_radius_, surface_.mean_edge));
+  const double margin = 1e-3 * exclusion_radius_through_ + 1e-6 * (upper - lower).norm();  // covers single precision
+  grid.reset(lower, upper, std::max(0.5 * exclusion_radius_through_, surface_.mean_edge));
   grid.sort(triangles, [&](int f) { return grid.cell_index(grid.cell(rest_centre_[f].cast<double>())); });
 
   std::vector<std::vector<int>> exceptions(surface_.nodes.size());
@@ -129,20 +131,22 @@ void CandidateSearch::find_exceptions() {
     std::vector<int> near;
     for (std::ptrdiff_t n = begin; n < end; ++n) {
       near.clear();
-      const Vec3 reach = Vec3::Constant(exclusion_radius_ + margin);
+      const Vec3 reach = Vec3::Constant(exclusion_radius_through_ + margin);
       grid.for_runs(grid.cell(surface_.reference[n] - reach), grid.cell(surface_.reference[n] + reach), [&](int first, int last) {
         for (int k = first; k < last; ++k) {
           const int f = grid.item(k);
-          if ((rest_node_[n] - rest_centre_[f]).squaredNorm() < exclusion_squared_) near.push_back(f);
+          const float limit = is_same_face(static_cast<int>(n), f) ? exclusion_squared_ : exclusion_squared_through_;
+          if ((rest_node_[n] - rest_centre_[f]).squaredNorm() < limit) near.push_back(f);
         }
       });
-      along_solid.compute(static_cast<int>(n), near, 2 * exclusion_radius_);
+      along_solid.compute(static_cast<int>(n), near, 2 * exclusion_radius_through_);
       for (int f : near) {
         const auto& t = surface_.triangles[f];
         const Vec3 a = surface_.reference[t[0]];
         const Vec3 normal = (surface_.reference[t[1]] - a).cross(surface_.reference[t[2]] - a).normalized();
         const bool faces_at_rest = normal.dot(node_normal[n]) < facing_cosine && normal.dot(surface_.reference[n] - a) > 0;
-        if (along_solid.to(f) > (faces_at_rest ? 1.0 : 2.0) * exclusion_radius_) exceptions[n].push_back(f);
+        const double radius = is_same_face(static_cast<int>(n), f) ? exclusion_radius_ : exclusion_radius_through_;
+        if (along_solid.to(f) > (faces_at_rest ? 1.0 : 2.0) * radius) exceptions[n].push_back(f);
       }
       std::sort(exceptions[n].begin(), exceptions[n].end());
     }
@@ -160,7 +164,8 @@ bool CandidateSearch::is_exception(int node, int triangle) const {
 }
 
 bool CandidateSearch::is_excluded(int node, int triangle) const {
-  if (!((rest_node_[node] - rest_centre_[triangle]).squaredNorm() < exclusion_squared_)) return false;
+  const float limit = is_same_face(node, triangle) ? exclusion_squared_ : exclusion_squared_through_;
+  if (!((rest_node_[node] - rest_centre_[triangle]).squaredNorm() < limit)) return false;
   return !is_exception(node, triangle);
 }
 
@@ -190,6 +195,7 @@ void CandidateSearch::update(std::span<const double> x, double radius) {
   grid_.reset(lower, upper, distance);
   grid_.sort(triangles, [&](int f) { return grid_.cell_index(grid_.cell(centre_[f])); });
   for (auto* array : {&cx_, &cy_, &cz_, &reach_squared_, &rx_, &ry_, &rz_}) array->resize(surface_.triangles.size());
+  side_.resize(surface_.triangles.size());
   parallel_for(triangles, [&](std::ptrdiff_t k) {
     const int f = grid_.item(static_cast<int>(k));
     cx_[k] = static_cast<float>(centre_[f][0]);
@@ -200,6 +206,7 @@ void CandidateSearch::update(std::span<const double> x, double radius) {
     rx_[k] = rest_centre_[f][0];
     ry_[k] = rest_centre_[f][1];
     rz_[k] = rest_centre_[f][2];
+    side_[k] = surface_.triangle_side[f];
   });
 
   found_.resize(std::max(found_.size(), static_cast<std::size_t>(thread_count())));
@@ -214,6 +221,7 @@ void CandidateSearch::update(std::span<const double> x, double radius) {
       const std::size_t before = list.size();
       const Vec3 p = point(x, surface_.nodes[n]);
       const Eigen::Vector3f pf = p.cast<float>(), rest = rest_node_[n];
+      const int own_side = surface_.node_side[n];
       const int has_exceptions = exception_start_[n + 1] > exception_start_[n];
       grid_.for_runs(grid_.cell(p - reach), grid_.cell(p + reach), [&](int first, int last) {
         for (int base = first; base < last; base += chunk) {
@@ -224,7 +232,7 @@ void CandidateSearch::update(std::span<const double> x, double radius) {
             const float dx = cx_[j] - pf[0], dy = cy_[j] - pf[1], dz = cz_[j] - pf[2];
             const float ex = rx_[j] - rest[0], ey = ry_[j] - rest[1], ez = rz_[j] - rest[2];
             const int near = dx * dx + dy * dy + dz * dz <= reach_squared_[j];
-            const int own = ex * ex + ey * ey + ez * ez < exclusion_squared_;
+            const int own = ex * ex + ey * ey + ez * ez < (side_[j] == own_side ? exclusion_squared_ : exclusion_squared_through_);
             flag[k] = (near & (own ^ 1)) + 3 * (near & own & has_exceptions);  // 1: candidate, 3: only if excepted
             any |= flag[k];
           }

@@ -4,7 +4,7 @@
 // Broad phase: which triangles a surface node might touch. A pair is left out for good when node and triangle are neighbours in
 // the solid: reference distance below the exclusion radius and joined by the solid's edges within that radius (pairs that already
 // face each other across a gap at rest) or twice that radius (all others: the same face, or the back face seen through the
-// thickness).
+// thickness). A wider radius holds for pairs on different faces, so that a squeezed leaflet does not meet its own back face.
 
 #include <Eigen/Core>
 #include <span>
@@ -20,8 +20,8 @@ inline constexpr double facing_cosine = -0.2;
 
 class CandidateSearch {
  public:
-  /// Keeps a reference to the surface. `exclusion_radius` in m.
-  CandidateSearch(const ContactSurface& surface, double exclusion_radius);
+  /// Keeps a reference to the surface. Radii in m: for pairs on the same face, and (not smaller) for all others.
+  CandidateSearch(const ContactSurface& surface, double exclusion_radius, double exclusion_radius_through);
 
   /// Lists for every surface node all triangles closer than `radius` (m; never misses one, may list some that are further) that
   /// are not excluded, in ascending order. `x`: 3 * solid_nodes. Throws TrustError when x is not finite. Reuses its memory.
@@ -39,10 +39,11 @@ class CandidateSearch {
  private:
   void find_exceptions();
   bool is_exception(int node, int triangle) const;
+  bool is_same_face(int node, int triangle) const { return surface_.node_side[static_cast<std::size_t>(node)] == surface_.triangle_side[static_cast<std::size_t>(triangle)]; }
 
   const ContactSurface& surface_;
-  float exclusion_squared_;
-  double exclusion_radius_;
+  float exclusion_squared_, exclusion_squared_through_;
+  double exclusion_radius_, exclusion_radius_through_;
   // Rest positions in single precision: the exclusion rule must give the same answer wherever it is asked.
   std::vector<Eigen::Vector3f> rest_node_, rest_centre_;
   std::vector<int> exception_start_, exception_;  // per node: triangles within the radius that may touch nevertheless
@@ -52,6 +53,7 @@ class CandidateSearch {
   std::vector<Eigen::Vector3d> centre_;
   std::vector<double> radius_;
   std::vector<float> cx_, cy_, cz_, reach_squared_, rx_, ry_, rz_;  // by grid position
+  std::vector<int> side_;                                           // by grid position
   std::vector<std::vector<int>> found_;                             // per thread
 };
 

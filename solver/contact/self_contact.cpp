@@ -49,6 +49,19 @@ struct Sight {
   double l1, l2, b1, b2;
 };
 
+/// Phi and its derivatives for the overlap o = threshold - gap (self_contact.h).
+struct Penalty {
+  double energy, force, tangent;
+};
+Penalty penalty_of(const ContactOptions& o, double overlap) {
+  const double beyond = std::max(overlap - o.threshold, 0.0), within = overlap - beyond;
+  const double s = within / o.threshold, s2 = s * s, s6 = s2 * s2 * s2, s12 = o.hardening * s6 * s6;
+  Penalty p{within * within * (0.5 + s12 / 14), within * (1 + s12), 1 + 13 * s12};
+  p.energy += beyond * (p.force + 0.5 * p.tangent * beyond);
+  p.force += p.tangent * beyond;
+  return p;
+}
+
 /// What one slave adds to the totals.
 struct SlaveTotals {
   double force = 0, friction = 0, area = 0, gap = infinity, energy = 0, slip_energy = 0, dissipation = 0;
@@ -69,13 +82,19 @@ ContactOptions resolve(const ContactSurface& s, ContactOptions o) {
   const auto refuse = [](const std::string& what) { throw InputError("contact: " + what); };
   if (!(o.threshold > 0)) refuse("threshold must be positive");
   if (!(o.stiffness >= 0)) refuse("stiffness must not be negative");
+  if (!(o.hardening >= 0)) refuse("hardening must not be negative");
   if (!(o.friction >= 0)) refuse("friction must not be negative");
   if (!(o.tangential_ratio > 0)) refuse("tangential_ratio must be positive");
   if (!(o.averaging_ratio > 0)) refuse("averaging_ratio must be positive");
   if (!(o.thickness >= 0) || !(o.penetration_limit >= 0) || !(o.exclusion_radius >= 0) || !(o.skin >= 0))
     refuse("lengths must not be negative");
   if (o.penetration_limit == 0) o.penetration_limit = o.thickness > 0 ? 0.5 * o.thickness : s.mean_edge;
-  if (o.exclusion_radius == 0) o.exclusion_radius = std::max(2.5 * s.mean_edge, 1.5 * o.thickness);
+  if (o.exclusion_radius == 0) {
+    o.exclusion_radius = std::max(2.0 * s.mean_edge, o.thickness);
+    if (o.exclusion_radius_through == 0) o.exclusion_radius_through = std::max(o.exclusion_radius, 1.5 * o.thickness);
+  }
+  if (o.exclusion_radius_through == 0) o.exclusion_radius_through = o.exclusion_radius;
+  if (o.exclusion_radius_through < o.exclusion_radius) refuse("exclusion_radius_through must not be smaller than exclusion_radius");
   if (o.skin == 0) o.skin = 0.4 * s.mean_edge;
   return o;
 }
@@ -117,13 +136,13 @@ struct SelfContact::Impl {
   std::vector<char> moved_too_far;         // per thread
 
   // Per surface node.
-  std::vector<double> gap, normal_force, pressure;
+  std::vector<double> gap, visibility, normal_force, pressure;
   std::vector<Vec3> own_force, friction_force, normal, nodal_force, slip;
   std::vector<int> partner;
   std::vector<char> is_active;
 
   Impl(const ContactSurface& s, const ContactOptions& o)
-      : surface(s), options(resolve(s, o)), search(s, options.exclusion_radius) {
+      : surface(s), options(resolve(s, o)), search(s, options.exclusion_radius, options.exclusion_radius_through) {
     const std::size_t nodes = s.nodes.size(), triangles = s.triangles.size();
     set_node_stiffness({});
     averaging_radius.resize(triangles);
@@ -150,7 +169,7 @@ struct SelfContact::Impl {
     is_active.assign(nodes, 0);
     facet_force.resize(triangles);
     facet_active.assign(triangles, 0);
-    for (auto* array : {&normal_force, &pressure}) array->assign(nodes, 0.0);
+    for (auto* array : {&visibility, &normal_force, &pressure}) array->assign(nodes, 0.0);
     for (auto* array : {&own_force, &friction_force, &normal, &nodal_force, &slip}) array->assign(nodes, Vec3::Zero());
     gap.assign(nodes, infinity);
     partner.assign(nodes, -1);
@@ -164,7 +183,7 @@ struct SelfContact::Impl {
 
   void clear_outputs(int n) {
     gap[n] = infinity;
-    normal_force[n] = pressure[n] = 0;
+    visibility[n] = normal_force[n] = pressure[n] = 0;
     own_force[n] = friction_force[n] = normal[n] = nodal_force[n] = Vec3::Zero();
     partner[n] = -1;
     is_active[n] = 0;
@@ -384,6 +403,7 @@ struct SelfContact::Impl {
     }
     if (is_active[node] && !(g < options.threshold)) clear_outputs(node);
     gap[node] = g;
+    visibility[node] = smooth_step(total / full_weight);
     partner[node] = nearest;
     if (!(g < options.threshold)) {
       if (options.friction > 0 && !slip[node].isZero(0)) result.dissipation = release(node);
@@ -393,8 +413,9 @@ struct SelfContact::Impl {
     const double overlap = options.threshold - g;
     const double fade = smooth_step(total / full_weight);
     const double fade_slope = contact::smooth_step_slope(total / full_weight) / full_weight;
-    const double force = half_stiffness * fade * overlap;  // this pass
-    const double force_of_total = 0.5 * half_stiffness * fade_slope * overlap * overlap;
+    const Penalty penalty = penalty_of(options, overlap);
+    const double force = half_stiffness * fade * penalty.force;  // this pass
+    const double force_of_total = half_stiffness * fade_slope * penalty.energy;
 
     Vec3 own = Vec3::Zero(), mean_normal = Vec3::Zero();
     int record = first;
@@ -426,7 +447,7 @@ struct SelfContact::Impl {
     result.gap = g;
     result.area = current_area(node);
     pressure[node] = 2 * force / result.area;
-    result.energy = 0.5 * force * overlap;
+    result.energy = half_stiffness * fade * penalty.energy;
     if (options.friction > 0) add_friction(node, position, v, dt, force, total, seen, result);
     return result;
   }
@@ -552,6 +573,8 @@ void SelfContact::set_node_stiffness(std::span<const double> stiffness) {
   impl_->set_node_stiffness(stiffness);
 }
 
+std::span<const double> SelfContact::node_stiffness() const { return impl_->node_stiffness; }
+
 void SelfContact::update_candidates(std::span<const double> x) { impl_->update_candidates(x); }
 
 ContactResult SelfContact::evaluate(std::span<const double> x, std::span<const double> v, double dt, std::span<double> forces) {
@@ -579,6 +602,7 @@ void SelfContact::closest_gaps(std::span<const double> x, double max_distance, b
 }
 
 std::span<const double> SelfContact::gap() const { return impl_->gap; }
+std::span<const double> SelfContact::visibility() const { return impl_->visibility; }
 std::span<const double> SelfContact::normal_force() const { return impl_->normal_force; }
 std::span<const double> SelfContact::pressure() const { return impl_->pressure; }
 std::span<const Vec3> SelfContact::friction_force() const { return impl_->friction_force; }
@@ -597,6 +621,12 @@ void SelfContact::import_history(std::span<const double> slip) {
     throw InputError("contact: friction history has " + std::to_string(slip.size()) + " numbers, expected " +
                      std::to_string(3 * impl_->slip.size()));
   for (std::size_t n = 0; n < impl_->slip.size(); ++n) impl_->slip[n] = Eigen::Map<const Vec3>(slip.data() + 3 * n);
+}
+
+double SelfContact::tangent_stiffness(int node) const {
+  const std::size_t n = static_cast<std::size_t>(node);
+  if (!(impl_->normal_force[n] > 0)) return 0.0;
+  return impl_->node_stiffness[n] * penalty_of(impl_->options, impl_->options.threshold - impl_->gap[n]).tangent;
 }
 
 const ContactOptions& SelfContact::options() const { return impl_->options; }

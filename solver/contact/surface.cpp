@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "geometry/core/errors.h"
@@ -219,10 +220,14 @@ void current_tributary_areas(const ContactSurface& s, std::span<const double> x,
   });
 }
 
-void current_node_normals(const ContactSurface& s, std::span<const double> x, std::span<Vec3> normals) {
+namespace {
+
+template <class Keep>
+void sum_normals(const ContactSurface& s, std::span<const double> x, std::span<Vec3> normals, const Keep& keep) {
   parallel_for(s.node_count(), [&](std::ptrdiff_t n) {
     Vec3 sum = Vec3::Zero();
     for (int r = s.ring_start[n]; r < s.ring_start[n + 1]; ++r) {
+      if (!keep(n, s.ring[r])) continue;
       const auto& t = s.triangles[s.ring[r]];
       const Vec3 a = point(x, s.nodes[t[0]]);
       sum += (point(x, s.nodes[t[1]]) - a).cross(point(x, s.nodes[t[2]]) - a);
@@ -230,6 +235,29 @@ void current_node_normals(const ContactSurface& s, std::span<const double> x, st
     const double length = sum.norm();
     normals[n] = length > 0 ? Vec3(sum / length) : Vec3::Zero();
   });
+}
+
+}  // namespace
+
+void current_node_normals(const ContactSurface& s, std::span<const double> x, std::span<Vec3> normals) {
+  sum_normals(s, x, normals, [](std::ptrdiff_t, int) { return true; });
+}
+
+void current_face_normals(const ContactSurface& s, std::span<const double> x, std::span<Vec3> normals) {
+  sum_normals(s, x, normals, [&](std::ptrdiff_t n, int f) { return s.triangle_side[f] == s.node_side[n]; });
+}
+
+std::vector<double> rest_distances_to(const ContactSurface& surface, std::span<const char> is_marked) {
+  std::vector<Eigen::Vector3d> marked;
+  for (std::size_t i = 0; i < surface.solid_reference.size(); ++i)
+    if (is_marked[i]) marked.push_back(surface.solid_reference[i]);
+  std::vector<double> distance(surface.nodes.size());
+  parallel_for(surface.node_count(), [&](std::ptrdiff_t n) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Eigen::Vector3d& p : marked) nearest = std::min(nearest, (surface.reference[static_cast<std::size_t>(n)] - p).squaredNorm());
+    distance[static_cast<std::size_t>(n)] = std::sqrt(nearest);
+  });
+  return distance;
 }
 
 }  // namespace mv

@@ -55,4 +55,10 @@ void current_tributary_areas(const ContactSurface& surface, std::span<const doub
 /// Area-weighted outward unit normal of each surface node in the current configuration. `normals`: node_count().
 void current_node_normals(const ContactSurface& surface, std::span<const double> x, std::span<Eigen::Vector3d> normals);
 
+/// The same from the triangles of the node's own side only (node_side), so that a border's normal is its face's and not tilted towards the rim.
+void current_face_normals(const ContactSurface& surface, std::span<const double> x, std::span<Eigen::Vector3d> normals);
+
+/// Distance at rest (m) of each surface node to the nearest solid node that is marked; infinity when none is. `is_marked`: solid_nodes or more entries.
+std::vector<double> rest_distances_to(const ContactSurface& surface, std::span<const char> is_marked);
+
 }  // namespace mv

@@ -11,8 +11,9 @@ namespace {
 // Shares of the stability limits k dt^2 < 4 / mobility and c dt < 2 / mobility that the holding springs and dampers use.
 constexpr double hold_stiffness = 0.2;
 constexpr double hold_damping = 0.2;
-// kappa of relax().
+// kappa and beta of relax(): a ninth of the stability limit 4 kappa < 2 (1 + beta), because tau is some fifty steps old while the fibres stiffen.
 constexpr double relaxation = 0.1;
+constexpr double relaxation_memory = 0.9;
 // Nodes in corners of the wall, where almost nothing is spread, do not relax.
 constexpr double smallest_volume_share = 0.05;
 }  // namespace
@@ -53,12 +54,11 @@ void Coupling::set_volumes(std::vector<double> volumes) {
   volume_vectors_.resize(3 * volumes_.size());
   for (std::size_t a = 0; a < volume_vectors_.size(); ++a) volume_vectors_[a] = volumes_[a / 3];
   mean_force_.assign(volume_vectors_.size(), 0.0);
-  lost_.assign(volumes_.size(), 0.0);
+  unseen_.assign(volume_vectors_.size(), 0.0);
   volume_density_ = FaceField(transfer_.grid());
 }
 
-double Coupling::relax(const CoupledNodes& nodes, std::span<const double> forces, const FaceField& force_density, std::span<const double> critical_steps,
-                       double solid_density, std::vector<double>& mean_volume) {
+std::span<double> Coupling::find_unseen(std::span<const double> forces, const FaceField& force_density, std::vector<double>& mean_volume) {
   transfer_.interpolate(force_density, mean_force_);
   if (mean_volume.empty()) {
     mean_volume.assign(volume_vectors_.size(), 0.0);
@@ -66,20 +66,28 @@ double Coupling::relax(const CoupledNodes& nodes, std::span<const double> forces
     transfer_.spread(volume_vectors_, volume_density_);
     transfer_.interpolate(volume_density_, mean_volume);
   }
-  const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(active_.size());
-  parallel_for(count, [&](std::ptrdiff_t q) {
+  std::fill(unseen_.begin(), unseen_.end(), 0.0);
+  parallel_for(static_cast<std::ptrdiff_t>(active_.size()), [&](std::ptrdiff_t q) {
     const std::size_t node = static_cast<std::size_t>(active_[static_cast<std::size_t>(q)]);
-    lost_[static_cast<std::size_t>(q)] = 0;
     if (!(volumes_[node] > 0)) return;
-    const double factor = relaxation * critical_steps[node] * critical_steps[node] / solid_density;
+    for (std::size_t a = 3 * node; a < 3 * node + 3; ++a)
+      if (mean_volume[a] > smallest_volume_share) unseen_[a] = forces[a] - volumes_[node] * mean_force_[a] / mean_volume[a];
+  });
+  return unseen_;
+}
+
+void Coupling::relax(const CoupledNodes& nodes, std::span<const double> unseen, std::span<const double> critical_steps, double solid_density,
+                     std::vector<double>& shift) {
+  shift.resize(volume_vectors_.size(), 0.0);
+  parallel_for(static_cast<std::ptrdiff_t>(active_.size()), [&](std::ptrdiff_t q) {
+    const std::size_t node = static_cast<std::size_t>(active_[static_cast<std::size_t>(q)]);
+    if (!(volumes_[node] > 0)) return;
+    const double factor = relaxation * critical_steps[node] * critical_steps[node] / (solid_density * volumes_[node]);
     for (std::size_t a = 3 * node; a < 3 * node + 3; ++a) {
-      if (!(mean_volume[a] > smallest_volume_share)) continue;
-      const double shift = factor * (forces[a] / volumes_[node] - mean_force_[a] / mean_volume[a]);
-      nodes.x[a] += shift;
-      lost_[static_cast<std::size_t>(q)] += forces[a] * shift;
+      shift[a] = relaxation_memory * shift[a] + factor * unseen[a];
+      nodes.x[a] += shift[a];
     }
   });
-  return parallel_sum(count, [&](std::ptrdiff_t q) { return lost_[static_cast<std::size_t>(q)]; });
 }
 
 double Coupling::hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density) {
@@ -106,9 +114,9 @@ int Coupling::bind(const CoupledNodes& nodes) {
 }
 
 void Coupling::move(const CoupledNodes& nodes, const FaceField& velocity, double dt) {
-  // Midpoint rule: a plain Euler step swells everything that turns, by (dt omega)^2 / 2 of its volume a step.
+  // Midpoint rule: a plain Euler step swells everything that turns, by (dt omega)^2 / 2 of its volume a step. The old velocity is good enough to find
+  // the midpoint (an error of dt^3) and saves an interpolation.
   midpoint_.assign(nodes.x.begin(), nodes.x.end());
-  transfer_.interpolate(velocity, nodes.v);
   parallel_for(static_cast<std::ptrdiff_t>(midpoint_.size()), [&](std::ptrdiff_t a) {
     if (!nodes.is_fixed[static_cast<std::size_t>(a / 3)]) midpoint_[static_cast<std::size_t>(a)] += 0.5 * dt * nodes.v[static_cast<std::size_t>(a)];
   });
@@ -119,9 +127,12 @@ void Coupling::move(const CoupledNodes& nodes, const FaceField& velocity, double
   });
 }
 
-void Coupling::accelerate(const CoupledNodes& nodes, std::span<const double> forces, FaceField& scratch, std::span<double> out) const {
+void Coupling::accelerate(const CoupledNodes& nodes, std::span<const double> forces, NavierStokes& fluid, FaceField& scratch,
+                          std::span<double> out) const {
   scratch.set_zero();
   transfer_.spread(forces, scratch);
+  fluid.project(scratch);
+  fluid.apply_velocity_boundary(scratch);
   transfer_.interpolate(scratch, out);
   for (std::size_t i = 0; i < nodes.is_fixed.size(); ++i)
     for (std::size_t a = 3 * i; a < 3 * i + 3; ++a)

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "solver/coupling/transfer.h"
+#include "solver/fluid/navier_stokes.h"
 
 namespace mv {
 
@@ -32,17 +33,21 @@ class Coupling {
   /// Adds the forces (N) of nodes that move with the blood to the force density (N/m3).
   void hand_over(std::span<const double> forces, FaceField& force_density) const { transfer_.spread(forces, force_density); }
 
+  /// The part of the nodal forces that the blood does not see (N, 3 per node): F - V <F> / <V>, F and V a node's force and volume, <.> spread and
+  /// interpolated back. A force density that the kernel resolves leaves nothing. Call after hand_over() and before anything else is spread.
+  /// `mean_volume` (<V>, 3 per node) is part of the state; it is found anew when empty; clear it every few steps. Zero for nodes without volume
+  /// and held ones. Valid until the next call.
+  std::span<double> find_unseen(std::span<const double> forces, const FaceField& force_density, std::vector<double>& mean_volume);
+
   /// Relaxes what the kernel cannot see. Interpolation filters out motion shorter than the kernel, so distortion on that scale (left by
   /// contact, slip and round-off of large motions) would never be undone by the tissue's own stiffness. Each moving node slips by
-  ///   dx = kappa tau^2 / rho_s  (F / V - <F> / <V>) ,
-  /// F and V its force and volume, <.> spread and interpolated back: only the part of the force density that the blood does not see acts, so a
-  /// pressure carried smoothly does not press the leaflet through the blood. tau is the node's own critical step (s), which makes it a damped
-  /// Jacobi iteration, stable for kappa < 1/2. Call after hand_over() and before anything else is spread. Returns the energy lost (J).
-  /// `mean_volume` (<V>, 3 per node, part of the state) is found anew when empty; clear it every few steps.
-  double relax(const CoupledNodes& nodes, std::span<const double> forces, const FaceField& force_density, std::span<const double> critical_steps,
-               double solid_density, std::vector<double>& mean_volume);
+  ///   dx_n = beta dx_(n-1) + kappa tau^2 / rho_s  R / V ,
+  /// R the unseen force and what else acts without the blood's knowledge. tau is the node's own critical step (s), so that (omega tau)^2 <= 4 and the
+  /// iteration (heavy ball, Polyak 1964) is stable for 4 kappa < 2 (1 + beta); soft modes relax 1 / (1 - beta) times faster than without beta.
+  /// `shift` (dx, 3 per node) is part of the state and begun when empty.
+  void relax(const CoupledNodes& nodes, std::span<const double> unseen, std::span<const double> critical_steps, double solid_density, std::vector<double>& shift);
 
-  /// Volumes (m3) of the nodes, for relax(); nodes without volume do not relax.
+  /// Volumes (m3) of the nodes; nodes without volume do not relax.
   void set_volumes(std::vector<double> volumes);
 
   /// Nodes held by the annulus keep the blood at rest around them, by integral and proportional control on the blood's velocity U there:
@@ -54,8 +59,8 @@ class Coupling {
   /// New velocities and positions after the blood has moved: midpoint rule, dx/dt = u(x).
   void move(const CoupledNodes& nodes, const FaceField& velocity, double dt);
 
-  /// Acceleration (m/s2) that nodal forces cause without the pressure's reply: an upper bound of the mobility, for the stable step.
-  void accelerate(const CoupledNodes& nodes, std::span<const double> forces, FaceField& scratch, std::span<double> out) const;
+  /// Acceleration (m/s2) that nodal forces cause in the blood `fluid`, the pressure's reply included: the mobility of the bound nodes.
+  void accelerate(const CoupledNodes& nodes, std::span<const double> forces, NavierStokes& fluid, FaceField& scratch, std::span<double> out) const;
 
   const Transfer& transfer() const { return transfer_; }
 
@@ -63,7 +68,7 @@ class Coupling {
   Transfer transfer_;
   double density_;
   std::vector<double> midpoint_;
-  std::vector<double> volumes_, volume_vectors_, mean_force_, lost_;
+  std::vector<double> volumes_, volume_vectors_, mean_force_, unseen_;
   FaceField volume_density_;
   std::vector<int> active_;
   std::unique_ptr<Transfer> held_transfer_;

@@ -10,6 +10,17 @@
 
 namespace mv {
 
+namespace {
+// Faces closer than this share of the contact threshold drain more slowly, and not at all when they touch.
+constexpr double touching_share = 0.25;
+// The pressure outside is read this many cells behind the leaflet, beyond the kernel's reach from its middle.
+constexpr double outside_cells = 1.5;
+// Averages over neighbours before the film's pressure is limited to what is possible.
+constexpr int film_smoothing_passes = 4;
+// What an element out of balance can drive at most, in p_scale: three times the pressure is more than any fold needs.
+constexpr double largest_drive = 3.0;
+}  // namespace
+
 double pressure_at(const FluidGrid& grid, const std::vector<double>& pressure, const Eigen::Vector3d& x) {
   int base[3];
   double weight[3];
@@ -32,25 +43,16 @@ double pressure_at(const FluidGrid& grid, const std::vector<double>& pressure, c
   return sum;
 }
 
-FilmDrainage::FilmDrainage(const Structure& structure, const FluidGrid& grid, const FilmDrainageOptions& options)
-    : structure_(&structure), grid_(grid), options_(options) {
-  const ContactSurface& surface = structure.surface();
-  const std::size_t leaflet_nodes = static_cast<std::size_t>(structure.leaflet_nodes());
-  const std::vector<double>& rest = structure.rest_positions();
+FilmDrainage::FilmDrainage(const ContactSurface& surface, const SelfContact& contact, std::span<const double> rest, std::span<const char> is_fixed,
+                           const FluidGrid& grid, const FilmDrainageOptions& options)
+    : surface_(&surface), contact_(&contact), grid_(grid), options_(options) {
+  const std::size_t leaflet_nodes = rest.size() / 3;
   const std::size_t count = static_cast<std::size_t>(surface.node_count());
   normals_.resize(count);
   slip_.resize(count);
   smoothed_.resize(count);
-  std::vector<Eigen::Vector3d> held;
-  for (std::size_t i = 0; i < leaflet_nodes; ++i)
-    if (structure.is_fixed()[i]) held.push_back(Eigen::Vector3d::Map(rest.data() + 3 * i));
-  hinge_fade_.assign(count, 1.0);
-  parallel_for(surface.node_count(), [&](std::ptrdiff_t n) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const Eigen::Vector3d& h : held) nearest = std::min(nearest, (surface.reference[static_cast<std::size_t>(n)] - h).squaredNorm());
-    hinge_fade_[static_cast<std::size_t>(n)] =
-        std::clamp((std::sqrt(nearest) / grid_.h - options_.hinge_free) / (options_.hinge_full - options_.hinge_free), 0.0, 1.0);
-  });
+  hinge_fade_ = rest_distances_to(surface, is_fixed);
+  for (double& d : hinge_fade_) d = std::clamp((d / grid_.h - options_.hinge_free) / (options_.hinge_full - options_.hinge_free), 0.0, 1.0);
   std::vector<std::vector<int>> around(count);
   for (std::size_t f = 0; f < surface.triangles.size(); ++f)
     if (surface.triangle_side[f] > 0)
@@ -74,7 +76,7 @@ FilmDrainage::FilmDrainage(const Structure& structure, const FluidGrid& grid, co
     if (surface.on_atrial_face[s]) cells.emplace(key(surface.reference[s], 0, 0, 0), static_cast<int>(s));
   surface_index_.assign(leaflet_nodes, -1);
   for (std::size_t i = 0; i < leaflet_nodes; ++i) {
-    if (structure.is_fixed()[i]) continue;
+    if (is_fixed[i]) continue;
     const Eigen::Vector3d p = Eigen::Vector3d::Map(rest.data() + 3 * i);
     double best = std::numeric_limits<double>::infinity();
     for (int reach = 1; reach <= 4; ++reach) {
@@ -94,41 +96,131 @@ FilmDrainage::FilmDrainage(const Structure& structure, const FluidGrid& grid, co
       if (best <= reach * reach * grid_.h * grid_.h) break;
     }
   }
+  std::vector<std::vector<int>> columns(count);
+  for (std::size_t i = 0; i < leaflet_nodes; ++i)
+    if (surface_index_[i] >= 0) columns[static_cast<std::size_t>(surface_index_[i])].push_back(static_cast<int>(i));
+  column_start_.push_back(0);
+  for (const auto& column : columns) {
+    column_.insert(column_.end(), column.begin(), column.end());
+    column_start_.push_back(static_cast<int>(column_.size()));
+  }
+  areas_.assign(count, 0.0);
+  for (auto* array : {&fade_, &unbalanced_, &film_, &film_smoothed_}) array->assign(count, 0.0);
 }
 
 void FilmDrainage::find_gaps(std::span<const double> x, std::vector<double>& gaps) {
-  const ContactSurface& surface = structure_->surface();
-  structure_->contact()->closest_gaps(x, options_.reach_end * grid_.h, true, closest_);
-  gaps.assign(static_cast<std::size_t>(structure_->leaflet_nodes()), std::numeric_limits<double>::infinity());
+  const ContactSurface& surface = *surface_;
+  contact_->closest_gaps(x, options_.reach_end * grid_.h, true, closest_);
+  gaps.assign(surface_index_.size(), std::numeric_limits<double>::infinity());
   for (std::size_t s = 0; s < closest_.gap.size(); ++s)
-    if (surface.on_atrial_face[s] && closest_.triangle[s] >= 0 && closest_.gap[s] > -structure_->contact()->options().penetration_limit) gaps[static_cast<std::size_t>(surface.nodes[s])] = closest_.gap[s];
+    if (surface.on_atrial_face[s] && closest_.triangle[s] >= 0 && closest_.gap[s] > -contact_->options().penetration_limit)
+      gaps[static_cast<std::size_t>(surface.nodes[s])] = closest_.gap[s];
 }
 
-double FilmDrainage::slip(std::span<double> x, std::span<double> v, std::span<const double> gaps, const std::vector<double>& pressure,
-                          double pressure_difference, std::span<const double> forces, double dt) {
-  const ContactSurface& surface = structure_->surface();
-  const auto contact_pressure = structure_->contact()->pressure();
-  current_node_normals(surface, x, normals_);
-  const double touching = structure_->contact_threshold();
-  const double speed = grid_.h / (options_.drainage_time * options_.pressure_scale);
-  parallel_for(surface.node_count(), [&](std::ptrdiff_t n) {
-    const std::size_t s = static_cast<std::size_t>(n);
-    slip_[s].setZero();
-    const double gap = gaps[static_cast<std::size_t>(surface.nodes[s])];
-    if (!(gap < options_.reach_end * grid_.h)) return;
-    const Eigen::Vector3d here = Eigen::Vector3d::Map(x.data() + 3 * surface.nodes[s]);
-    const double film = pressure_at(grid_, pressure, here + 0.5 * std::max(gap, 0.0) * normals_[s]);
-    const double drive = std::min(film, pressure_difference - contact_pressure[s]);
-    double fade = std::clamp((options_.reach_end - gap / grid_.h) / (options_.reach_end - options_.reach_full), 0.0, 1.0);
-    if (drive > 0) {
-      // Nothing is left to drain where the faces touch, and a pressure above the ventricle's is not a film's but that of crushed tissue.
-      fade *= std::clamp(2.0 * gap / touching, 0.0, 1.0) * std::clamp(2.0 - film / std::max(pressure_difference, 0.01 * options_.pressure_scale), 0.0, 1.0);
+void FilmDrainage::find_reached(std::span<const double> gaps) {
+  if (std::equal(gaps.begin(), gaps.end(), known_gaps_.begin(), known_gaps_.end())) return;
+  known_gaps_.assign(gaps.begin(), gaps.end());
+  const ContactSurface& surface = *surface_;
+  is_reached_.assign(surface.nodes.size(), 0);
+  reached_.clear();
+  for (int s = 0; s < surface.node_count(); ++s)
+    if (gaps[static_cast<std::size_t>(surface.nodes[static_cast<std::size_t>(s)])] < options_.reach_end * grid_.h) {
+      is_reached_[static_cast<std::size_t>(s)] = 1;
+      reached_.push_back(s);
     }
-    slip_[s] = speed * fade * drive * normals_[s];
+  std::size_t begin = 0;
+  for (int pass = 0; pass < options_.smoothing_passes; ++pass) {
+    const std::size_t end = reached_.size();
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::size_t s = static_cast<std::size_t>(reached_[k]);
+      for (int q = neighbour_start_[s]; q < neighbour_start_[s + 1]; ++q) {
+        const int other = neighbours_[static_cast<std::size_t>(q)];
+        if (is_reached_[static_cast<std::size_t>(other)]) continue;
+        is_reached_[static_cast<std::size_t>(other)] = 1;
+        reached_.push_back(other);
+      }
+    }
+    begin = end;
+  }
+  std::sort(reached_.begin(), reached_.end());
+  leaflet_reached_.clear();
+  for (std::size_t i = 0; i < surface_index_.size(); ++i)
+    if (surface_index_[i] >= 0 && is_reached_[static_cast<std::size_t>(surface_index_[i])]) leaflet_reached_.push_back(static_cast<int>(i));
+  for (std::size_t s = 0; s < slip_.size(); ++s) {
+    slip_[s].setZero();
+    smoothed_[s].setZero();
+  }
+}
+
+void FilmDrainage::press(std::span<const double> x, std::span<const double> gaps, const std::vector<double>& pressure, double pressure_difference,
+                         std::span<const double> forces, std::span<double> unseen) {
+  const ContactSurface& surface = *surface_;
+  find_reached(gaps);
+  if (reached_.empty()) return;
+  const std::ptrdiff_t reached = static_cast<std::ptrdiff_t>(reached_.size());
+  const auto contact_gap = contact_->gap();
+  const auto visibility = contact_->visibility();
+  const auto contact_force = contact_->nodal_force();
+  const double threshold = contact_->options().threshold, behind = contact_->options().thickness + outside_cells * grid_.h;
+  const double lowest = std::min(pressure_difference, 0.0), highest = std::max(pressure_difference, 0.0);
+  current_face_normals(surface, x, normals_);
+  current_tributary_areas(surface, x, areas_);
+  parallel_for(reached, [&](std::ptrdiff_t n) {
+    const std::size_t s = static_cast<std::size_t>(reached_[static_cast<std::size_t>(n)]);
+    fade_[s] = unbalanced_[s] = film_[s] = 0;
+    if (!(areas_[s] > 0) || column_start_[s] == column_start_[s + 1]) return;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int k = column_start_[s]; k < column_start_[s + 1]; ++k) sum += Eigen::Vector3d::Map(forces.data() + 3 * column_[static_cast<std::size_t>(k)]);
+    const Eigen::Vector3d here = Eigen::Vector3d::Map(x.data() + 3 * surface.nodes[s]);
+    const double searched = gaps[static_cast<std::size_t>(surface.nodes[s])];
+    // The contact knows close gaps of this very instant.
+    const double gap = std::min(searched, contact_gap[s]);
+    double outside = pressure_at(grid_, pressure, here - behind * normals_[s]);
+    if (searched < options_.reach_end * grid_.h) {
+      outside = std::max(outside, pressure_at(grid_, pressure, here + 0.5 * std::max(gap, 0.0) * normals_[s]));
+      fade_[s] = hinge_fade_[s] * std::clamp((options_.reach_end - gap / grid_.h) / (options_.reach_end - options_.reach_full), 0.0, 1.0);
+      // Beside the facing leaflet's border there is no film, only blood.
+      if (searched < threshold) fade_[s] *= visibility[s];
+    }
+    unbalanced_[s] = sum.dot(normals_[s]) / areas_[s] + std::clamp(outside, lowest, highest);
+    film_[s] = unbalanced_[s] - contact_force[s].dot(normals_[s]) / areas_[s];
+  });
+  for (int pass = 0; pass < film_smoothing_passes; ++pass) {
+    parallel_for(reached, [&](std::ptrdiff_t n) {
+      const std::size_t s = static_cast<std::size_t>(reached_[static_cast<std::size_t>(n)]);
+      double sum = film_[s], count = 1;
+      for (int q = neighbour_start_[s]; q < neighbour_start_[s + 1]; ++q) {
+        const std::size_t other = static_cast<std::size_t>(neighbours_[static_cast<std::size_t>(q)]);
+        if (!is_reached_[other]) continue;
+        sum += film_[other];
+        count += 1;
+      }
+      film_smoothed_[s] = sum / count;
+    });
+    std::swap(film_, film_smoothed_);
+  }
+  parallel_for(reached, [&](std::ptrdiff_t n) {
+    const std::size_t s = static_cast<std::size_t>(reached_[static_cast<std::size_t>(n)]);
+    if (!(fade_[s] > 0)) return;
+    Eigen::Vector3d::Map(unseen.data() + 3 * surface.nodes[s]) += fade_[s] * std::clamp(film_[s], lowest, highest) * areas_[s] * normals_[s];
+  });
+}
+
+void FilmDrainage::slip(std::span<double> x, std::span<const double> gaps, double dt) {
+  if (reached_.empty()) return;
+  const ContactSurface& surface = *surface_;
+  const std::ptrdiff_t reached = static_cast<std::ptrdiff_t>(reached_.size());
+  const auto contact_gap = contact_->gap();
+  const double touching = contact_->options().threshold;
+  const double mobility = grid_.h / (options_.drainage_time * options_.pressure_scale);
+  parallel_for(reached, [&](std::ptrdiff_t n) {
+    const std::size_t s = static_cast<std::size_t>(reached_[static_cast<std::size_t>(n)]);
+    const double drive = std::clamp(unbalanced_[s], -largest_drive * options_.pressure_scale, largest_drive * options_.pressure_scale);
+    slip_[s] = mobility * fade_[s] * drive * normals_[s];
   });
   for (int pass = 0; pass < options_.smoothing_passes; ++pass) {
-    parallel_for(surface.node_count(), [&](std::ptrdiff_t n) {
-      const std::size_t s = static_cast<std::size_t>(n);
+    parallel_for(reached, [&](std::ptrdiff_t n) {
+      const std::size_t s = static_cast<std::size_t>(reached_[static_cast<std::size_t>(n)]);
       Eigen::Vector3d sum = slip_[s];
       const int begin = neighbour_start_[s], end = neighbour_start_[s + 1];
       for (int q = begin; q < end; ++q) sum += slip_[static_cast<std::size_t>(neighbours_[static_cast<std::size_t>(q)])];
@@ -136,17 +228,17 @@ double FilmDrainage::slip(std::span<double> x, std::span<double> v, std::span<co
     });
     std::swap(slip_, smoothed_);
   }
-  parallel_for(surface.node_count(), [&](std::ptrdiff_t n) { slip_[static_cast<std::size_t>(n)] *= hinge_fade_[static_cast<std::size_t>(n)]; });
-  double lost = 0;
-  for (std::size_t i = 0; i < surface_index_.size(); ++i) {
-    if (surface_index_[i] < 0) continue;
-    const Eigen::Vector3d& slip = slip_[static_cast<std::size_t>(surface_index_[i])];
-    if (slip.x() == 0 && slip.y() == 0 && slip.z() == 0) continue;
-    Eigen::Vector3d::Map(x.data() + 3 * i) += dt * slip;
-    Eigen::Vector3d::Map(v.data() + 3 * i) += slip;
-    lost += dt * slip.dot(Eigen::Vector3d::Map(forces.data() + 3 * i));
-  }
-  return lost;
+  parallel_for(reached, [&](std::ptrdiff_t n) {
+    const std::size_t s = static_cast<std::size_t>(reached_[static_cast<std::size_t>(n)]);
+    slip_[s] *= hinge_fade_[s];  // again: smoothing carries slip into the hinge
+    // Nothing is left to drain where the faces touch: smoothing must not push them through each other.
+    const double gap = std::min(gaps[static_cast<std::size_t>(surface.nodes[s])], contact_gap[s]);
+    if (slip_[s].dot(normals_[s]) > 0) slip_[s] *= std::clamp(gap / (touching_share * touching), 0.0, 1.0);
+  });
+  parallel_for(static_cast<std::ptrdiff_t>(leaflet_reached_.size()), [&](std::ptrdiff_t q) {
+    const std::size_t i = static_cast<std::size_t>(leaflet_reached_[static_cast<std::size_t>(q)]);
+    Eigen::Vector3d::Map(x.data() + 3 * i) += dt * slip_[static_cast<std::size_t>(surface_index_[i])];
+  });
 }
 
 }  // namespace mv

@@ -20,6 +20,14 @@ namespace {
 // A kernel reaches at most this many cells below and above the cell of its point.
 constexpr int reach = 2;
 
+// Width of the kernel along an axis; a constant where the kernel has one, so that the inner loops unroll.
+template <Kernel K>
+constexpr int width_of(const KernelWeights& w) {
+  if constexpr (K == Kernel::ib4) return 4;
+  else if constexpr (K == Kernel::ib3) return 3;
+  else return w.width;
+}
+
 // Weights of the three components along the three axes at one point (in cells).
 template <Kernel K>
 struct PointWeights {
@@ -90,16 +98,17 @@ void Transfer::interpolate_with(const FaceField& velocity, std::span<double> vel
       const KernelWeights& wx = weights.w[c][0];
       const KernelWeights& wy = weights.w[c][1];
       const KernelWeights& wz = weights.w[c][2];
+      const int nx = width_of<K>(wx), ny = width_of<K>(wy), nz = width_of<K>(wz);
       const double* base = velocity.c[c].data() + grid_.index(wx.first, wy.first, wz.first);
       const double* open = open_[c].data() + (wx.first + FluidGrid::ghosts) + sy * (wy.first + FluidGrid::ghosts);
       double sum = 0;
-      for (int j = 0; j < wy.width; ++j) {
+      for (int j = 0; j < ny; ++j) {
         double wxy[kernel_width_max] = {0, 0, 0, 0};
-        for (int i = 0; i < wx.width; ++i) wxy[i] = wx.w[i] * wy.w[j] * open[i + sy * j];
-        for (int k = 0; k < wz.width; ++k) {
+        for (int i = 0; i < nx; ++i) wxy[i] = wx.w[i] * wy.w[j] * open[i + sy * j];
+        for (int k = 0; k < nz; ++k) {
           const double* row = base + sy * j + sz * k;
           double line = 0;
-          for (int i = 0; i < wx.width; ++i) line += wxy[i] * row[i];
+          for (int i = 0; i < nx; ++i) line += wxy[i] * row[i];
           sum += wz.w[k] * line;
         }
       }
@@ -134,17 +143,18 @@ void Transfer::spread_with(std::span<const double> forces, FaceField& force_dens
             const KernelWeights& wx = weights.w[c][0];
             const KernelWeights& wy = weights.w[c][1];
             const KernelWeights& wz = weights.w[c][2];
+            const int nx = width_of<K>(wx), ny = width_of<K>(wy), nz = width_of<K>(wz);
             double* base = force_density.c[c].data() + grid_.index(wx.first, wy.first, wz.first);
             const double* open = open_[c].data() + (wx.first + FluidGrid::ghosts) + sy * (wy.first + FluidGrid::ghosts);
             const double f = force[c] * per_volume;
             const int k0 = std::max<int>(0, static_cast<int>(k_begin) - wz.first);
-            const int k1 = std::min<int>(wz.width, static_cast<int>(k_end) - wz.first);
-            for (int j = 0; j < wy.width; ++j) {
+            const int k1 = std::min<int>(nz, static_cast<int>(k_end) - wz.first);
+            for (int j = 0; j < ny; ++j) {
               double wxy[kernel_width_max] = {0, 0, 0, 0};
-              for (int i = 0; i < wx.width; ++i) wxy[i] = f * wx.w[i] * wy.w[j] * open[i + sy * j];
+              for (int i = 0; i < nx; ++i) wxy[i] = f * wx.w[i] * wy.w[j] * open[i + sy * j];
               for (int k = k0; k < k1; ++k) {
                 double* row = base + sy * j + sz * k;
-                for (int i = 0; i < wx.width; ++i) row[i] += wz.w[k] * wxy[i];
+                for (int i = 0; i < nx; ++i) row[i] += wz.w[k] * wxy[i];
               }
             }
           }

@@ -187,6 +187,88 @@ void NavierStokes::compute_rate(const FaceField& velocity, FaceField& rate, doub
   }
 }
 
+void NavierStokes::divergence_to_rhs(const FaceField& velocity, double scale) {
+  const std::ptrdiff_t sy = grid_.stride_y(), sz = grid_.stride_z();
+  const int nx = grid_.n[0], ny = grid_.n[1];
+  parallel_for(
+      grid_.n[2],
+      [&](std::ptrdiff_t k) {
+        for (int j = 0; j < ny; ++j) {
+          const std::ptrdiff_t row = grid_.index(0, j, static_cast<int>(k));
+          const double* u = velocity.c[0].data() + row;
+          const double* v = velocity.c[1].data() + row;
+          const double* w = velocity.c[2].data() + row;
+          double* r = rhs_.data() + static_cast<std::ptrdiff_t>(nx) * (j + static_cast<std::ptrdiff_t>(ny) * k);
+#pragma omp simd
+          for (int i = 0; i < nx; ++i) r[i] = scale * (u[i + 1] - u[i] + v[i + sy] - v[i] + w[i + sz] - w[i]);
+        }
+      },
+      2);
+}
+
+void NavierStokes::subtract_gradient(const std::vector<double>& potential, double scale, FaceField& velocity) const {
+  const std::array<std::ptrdiff_t, 3> stride{1, grid_.stride_y(), grid_.stride_z()};
+  for (std::size_t component = 0; component < 3; ++component) {
+    const int mx = faces(grid_, boundary_, component, 0), my = faces(grid_, boundary_, component, 1), mz = faces(grid_, boundary_, component, 2);
+    const std::ptrdiff_t sc = stride[component];
+    parallel_for(
+        mz,
+        [&](std::ptrdiff_t k) {
+          for (int j = 0; j < my; ++j) {
+            const std::ptrdiff_t row = grid_.index(0, j, static_cast<int>(k));
+            double* u = velocity.c[component].data() + row;
+            const double* phi = potential.data() + row;
+#pragma omp simd
+            for (int i = 0; i < mx; ++i) u[i] -= scale * (phi[i] - phi[i - sc]);
+          }
+        },
+        2);
+  }
+}
+
+void NavierStokes::project(FaceField& field) {
+  for (std::size_t component = 0; component < 3; ++component) {
+    const std::vector<double>& open = wall_.stencil[component].open;
+    const std::ptrdiff_t plane = grid_.stride_z();
+    parallel_for(
+        grid_.padded(2),
+        [&](std::ptrdiff_t k) {
+          double* u = field.c[component].data() + k * plane;
+#pragma omp simd
+          for (std::ptrdiff_t q = 0; q < plane; ++q) u[q] *= open[static_cast<std::size_t>(q)];
+        },
+        2);
+  }
+  // A field to be made free of divergence meets resting walls and moves freely through open sides.
+  const std::array<std::ptrdiff_t, 3> stride{1, grid_.stride_y(), grid_.stride_z()};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t a1 = (axis + 1) % 3, a2 = (axis + 2) % 3;
+    for (int q2 = 0; q2 < grid_.n[a2]; ++q2)
+      for (int q1 = 0; q1 < grid_.n[a1]; ++q1) {
+        double* line = field.c[axis].data() + grid_.index(0, 0, 0) + q1 * stride[a1] + q2 * stride[a2];
+        if (boundary_.side[axis][0] == BoundaryKind::periodic) {
+          line[grid_.n[axis] * stride[axis]] = line[0];
+          continue;
+        }
+        for (std::size_t side = 0; side < 2; ++side)
+          if (boundary_.side[axis][side] != BoundaryKind::open) line[(side == 0 ? 0 : grid_.n[axis]) * stride[axis]] = 0;
+      }
+  }
+  divergence_to_rhs(field, 1.0 / grid_.h);
+  poisson_.solve(rhs_);
+  const int nx = grid_.n[0], ny = grid_.n[1];
+  parallel_for(
+      grid_.n[2],
+      [&](std::ptrdiff_t k) {
+        for (int j = 0; j < ny; ++j)
+          std::copy_n(rhs_.data() + static_cast<std::ptrdiff_t>(nx) * (j + static_cast<std::ptrdiff_t>(ny) * k), nx,
+                      increment_.data() + grid_.index(0, j, static_cast<int>(k)));
+      },
+      2);
+  fill_pressure_ghosts(increment_, {});
+  subtract_gradient(increment_, 1.0 / grid_.h, field);
+}
+
 FlowStepReport NavierStokes::advance(FlowState& state, const FaceField& force, double dt,
                                       const std::array<std::array<double, 2>, 3>& boundary_pressure) {
   FlowStepReport report;
@@ -261,22 +343,8 @@ FlowStepReport NavierStokes::advance(FlowState& state, const FaceField& force, d
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t side = 0; side < 2; ++side)
       if (boundary_.side[axis][side] == BoundaryKind::open) boundary_increment[axis][side] = boundary_pressure[axis][side] - state.boundary_pressure[axis][side];
-  const double scale = density_ / dt * inverse_h;
   const int nx = grid_.n[0], ny = grid_.n[1], nz = grid_.n[2];
-  parallel_for(
-      nz,
-      [&](std::ptrdiff_t k) {
-        for (int j = 0; j < ny; ++j) {
-          const std::ptrdiff_t row = grid_.index(0, j, static_cast<int>(k));
-          const double* u = state.velocity.c[0].data() + row;
-          const double* v = state.velocity.c[1].data() + row;
-          const double* w = state.velocity.c[2].data() + row;
-          double* r = rhs_.data() + static_cast<std::ptrdiff_t>(nx) * (j + static_cast<std::ptrdiff_t>(ny) * k);
-#pragma omp simd
-          for (int i = 0; i < nx; ++i) r[i] = scale * (u[i + 1] - u[i] + v[i + sy] - v[i] + w[i + sz] - w[i]);
-        }
-      },
-      2);
+  divergence_to_rhs(state.velocity, density_ / dt * inverse_h);
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t side = 0; side < 2; ++side) {
       if (boundary_increment[axis][side] == 0) continue;
@@ -305,23 +373,7 @@ FlowStepReport NavierStokes::advance(FlowState& state, const FaceField& force, d
       },
       2);
   fill_pressure_ghosts(increment_, boundary_increment);
-  const double correction = dt * per_density * inverse_h;
-  for (std::size_t component = 0; component < 3; ++component) {
-    const int mx = faces(grid_, boundary_, component, 0), my = faces(grid_, boundary_, component, 1), mz = faces(grid_, boundary_, component, 2);
-    const std::ptrdiff_t sc = stride[component];
-    parallel_for(
-        mz,
-        [&](std::ptrdiff_t k) {
-          for (int j = 0; j < my; ++j) {
-            const std::ptrdiff_t row = grid_.index(0, j, static_cast<int>(k));
-            double* u = state.velocity.c[component].data() + row;
-            const double* phi = increment_.data() + row;
-#pragma omp simd
-            for (int i = 0; i < mx; ++i) u[i] -= correction * (phi[i] - phi[i - sc]);
-          }
-        },
-        2);
-  }
+  subtract_gradient(increment_, dt * per_density * inverse_h, state.velocity);
   apply_velocity_boundary(state.velocity);
 
   for (std::size_t axis = 0; axis < 3; ++axis)

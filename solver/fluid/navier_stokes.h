@@ -46,6 +46,13 @@ class NavierStokes {
   /// No allocation.
   FlowStepReport advance(FlowState& state, const FaceField& force, double dt, const std::array<std::array<double, 2>, 3>& boundary_pressure);
 
+  /// Makes a face field (of any unit) free of divergence as a step does: at rest outside the tube first, then less the gradient of a potential that is zero on
+  /// open sides. Linear in the field; ghost layers are not filled. No allocation.
+  void project(FaceField& field);
+
+  /// The potential whose gradient project() took off last, times the field's unit and metres; valid until the next call of advance() or project().
+  const std::vector<double>& last_potential() const { return increment_; }
+
   /// Largest |div u| h / max|u| over the cells (dimensionless).
   double relative_divergence(const FlowState& state) const;
   double kinetic_energy(const FlowState& state) const;       // J
@@ -65,6 +72,9 @@ class NavierStokes {
 
  private:
   void compute_rate(const FaceField& velocity, FaceField& rate, double& advection_power, double& viscous_power);
+  /// rhs_ = scale * (sum of outgoing face values) of each cell.
+  void divergence_to_rhs(const FaceField& velocity, double scale);
+  void subtract_gradient(const std::vector<double>& potential, double scale, FaceField& velocity) const;
   void fill_pressure_ghosts(std::vector<double>& p, const std::array<std::array<double, 2>, 3>& boundary_value) const;
 
   FluidGrid grid_;

@@ -14,7 +14,7 @@ constexpr double search_spacings = 4.0;
 
 }  // namespace
 
-ContactMeasure measure_contact(const Simulation& simulation, const State& state, bool is_quick) {
+ContactMeasure measure_contact(Simulation& simulation, const State& state, bool is_quick) {
   const Structure& structure = simulation.structure();
   const std::size_t points = static_cast<std::size_t>(structure.leaflet_nodes());
   ContactMeasure m;
@@ -38,11 +38,14 @@ ContactMeasure measure_contact(const Simulation& simulation, const State& state,
   std::vector<double> area(static_cast<std::size_t>(surface.node_count()));
   current_tributary_areas(surface, x, area);
   std::vector<Vec3> normals(static_cast<std::size_t>(surface.node_count()));
-  current_node_normals(surface, x, normals);
+  current_face_normals(surface, x, normals);
   const auto pressure = contact->pressure();
+  const std::vector<double>* const caused_by_contact = fluid ? &simulation.pressure_of_contact(state) : nullptr;
   for (int s = 0; s < surface.node_count(); ++s) {
     const std::size_t n = static_cast<std::size_t>(s);
-    if (!surface.on_atrial_face[n]) continue;
+    // The fold at the clamped hinge is no coaptation.
+    const bool is_at_hinge = contact->node_stiffness()[n] < 0.999 * contact->options().stiffness * surface.reference_area[n];
+    if (!surface.on_atrial_face[n] || is_at_hinge) continue;
     const std::size_t node = static_cast<std::size_t>(surface.nodes[n]);
     // Deeper than the limit the other face is seen from behind.
     const double gap = has_recent ? state.film_gaps[node] : gaps.triangle[n] < 0 ? std::numeric_limits<double>::infinity() : gaps.gap[n];
@@ -51,11 +54,12 @@ ContactMeasure measure_contact(const Simulation& simulation, const State& state,
     m.in_contact[node] = gap < m.threshold;
     m.penalty[node] = pressure[n];
     if (!m.in_contact[node] && m.penalty[node] <= 0) continue;
+    m.traction[node] = m.penalty[node];
     if (fluid && m.in_contact[node]) {
-      const Vec3 here = Vec3::Map(state.x.data() + 3 * node);
-      m.film[node] = std::max(0.0, pressure_at(fluid->grid(), state.flow.pressure, here + 0.5 * std::max(gap, 0.0) * normals[n]));
+      const Vec3 halfway = Vec3::Map(state.x.data() + 3 * node) + 0.5 * std::max(gap, 0.0) * normals[n];
+      m.traction[node] = std::max(m.penalty[node], pressure_at(fluid->grid(), state.flow.pressure, halfway) - pressure_at(fluid->grid(), *caused_by_contact, halfway));
+      m.film[node] = m.traction[node] - m.penalty[node];
     }
-    m.traction[node] = m.penalty[node] + m.film[node];
     m.force[node] = -m.traction[node] * area[n] * normals[n];
     m.penalty_total += 0.5 * m.penalty[node] * area[n];
     m.film_total += 0.5 * m.film[node] * area[n];

@@ -8,13 +8,17 @@
 
 namespace mv {
 
-/// Contact on the atrial faces, one entry per leaflet point. The traction across the belt is the penalty plus the pressure of the blood film
-/// above the atrium's (DESIGN, section 5): in an immersed flow the kernel, not the physics, decides how the two share the load.
+/// Contact on the atrial faces, one entry per leaflet point. What crosses the belt above the atrium's pressure is
+///   traction = max(penalty, p(mid) - q(mid)) ,
+/// p the blood's pressure halfway to the facing leaflet and q the pressure that the spread contact forces alone cause there. For flat sheets p - q is
+/// the applied pressure whatever share the penalty carries: without contact forces p is the film's pressure; forces that push the faces apart lower
+/// p(mid) by the part -q(mid) of themselves that the kernel resolves. Where sheets are curved or end within a kernel's width p - q falls short, but a film
+/// cannot be below the atrium's pressure: the penalty is the lower bound, and the film is what the traction has above it (DESIGN, section 5).
 struct ContactMeasure {
   std::vector<double> gap;              // m to the facing leaflet, NaN where nothing faces the point within the search distance
   std::vector<double> penalty;          // Pa
-  std::vector<double> film;             // Pa, only where in contact
-  std::vector<double> traction;         // Pa, penalty + film
+  std::vector<double> film;             // Pa, traction less penalty; with blood and in contact only
+  std::vector<double> traction;         // Pa; without blood the penalty
   std::vector<Vec3> force;              // N, traction times current area, along the normal the point is pushed
   std::vector<char> in_contact;         // gap below the threshold
   double threshold = 0;                 // m
@@ -24,7 +28,7 @@ struct ContactMeasure {
 
 /// Needs forces evaluated at the state (Simulation::refresh or the end of a step is near enough for the series). `is_quick` takes the gaps of
 /// the last film search, at most some twenty steps old, where there are any: a new search costs as much as several steps.
-ContactMeasure measure_contact(const Simulation& simulation, const State& state, bool is_quick = false);
+ContactMeasure measure_contact(Simulation& simulation, const State& state, bool is_quick = false);
 
 /// Row of series.csv except for limiter and net leak.
 SeriesRow measure_series(Simulation& simulation, const State& state, const ContactMeasure& contact);

@@ -67,7 +67,9 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)), waveform_(Wavefo
       FilmDrainageOptions options;
       options.drainage_time = config.number("coupling.drainage_time");
       options.pressure_scale = std::max(waveform_.largest(), 1.0);
-      drainage_.emplace(*structure_, grid, options);
+      drainage_.emplace(structure_->surface(), *structure_->contact(),
+                        std::span<const double>(structure_->rest_positions().data(), 3 * static_cast<std::size_t>(structure_->leaflet_nodes())),
+                        structure_->is_fixed(), grid, options);
     }
     stable_step_.emplace(unknowns, &fluid_->grid());
   } else {
@@ -101,7 +103,7 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
   const auto start = Clock::now();
   if (state.step % estimate_every == 0) {
     if (coupling_) coupling_->bind({state.x, state.v, structure_->is_fixed()});
-    stable_step_->update(state, *structure_, coupling_ ? &*coupling_ : nullptr, estimate_products);
+    stable_step_->update(state, *structure_, coupling_ ? &*coupling_ : nullptr, fluid_ ? &*fluid_ : nullptr, estimate_products);
     if (coupling_ && scene_.config.flag("coupling.relaxation")) update_relaxation(state);
   }
   times_.step_estimate += seconds_since(start);
@@ -164,16 +166,27 @@ void Simulation::advance(State& state, double dt) {
   if (structure_->contact()) state.friction_slip = structure_->contact()->export_history();
 
   if (fluid_) {
+    // The loss of the last step's unseen motion was booked with the forces before it; their mean with those after it is right to second order.
+    if (!state.unseen_shift.empty()) state.ledger.coupling_loss += 0.5 * (work_on(state.unseen_shift) - state.unseen_work);
     const CoupledNodes nodes{state.x, state.v, structure_->is_fixed()};
     auto start = Clock::now();
     outside_ = coupling_->bind(nodes);
     force_density_.set_zero();
     coupling_->hand_over(forces_, force_density_);
-    if (!state.relax_steps.empty()) {
+    const bool is_relaxed = !state.relax_steps.empty();
+    if (is_relaxed || drainage_) {
       if (state.step % volumes_every == 0) state.mean_volume.clear();
-      state.ledger.coupling_loss +=
-          coupling_->relax(nodes, forces_, force_density_, state.relax_steps, scene_.config.number("leaflet.density"), state.mean_volume);
+      const std::span<double> unseen = coupling_->find_unseen(forces_, force_density_, state.mean_volume);
+      const std::span<double> x(state.x.data(), 3 * static_cast<std::size_t>(structure_->leaflet_nodes()));
+      if (drainage_) {
+        if (state.step % gaps_every == 0 || state.film_gaps.empty()) drainage_->find_gaps(x, state.film_gaps);
+        drainage_->press(x, state.film_gaps, state.flow.pressure, pressure, forces_, unseen);
+        drainage_->slip(x, state.film_gaps, dt);
+      }
+      if (is_relaxed) coupling_->relax(nodes, unseen, state.relax_steps, scene_.config.number("leaflet.density"), state.relax_shift);
+      book_unseen_motion(state);
     }
+
     state.ledger.coupling_loss -= coupling_->hold(state.holding, state.flow.velocity, dt, force_density_);
     times_.coupling += seconds_since(start);
     start = Clock::now();
@@ -181,11 +194,12 @@ void Simulation::advance(State& state, double dt) {
     times_.fluid += seconds_since(start);
     start = Clock::now();
     coupling_->move(nodes, state.flow.velocity, dt);
-    if (drainage_) {
-      const std::span<double> x(state.x.data(), 3 * static_cast<std::size_t>(structure_->leaflet_nodes()));
-      if (state.step % gaps_every == 0 || state.film_gaps.empty()) drainage_->find_gaps(x, state.film_gaps);
-      state.ledger.coupling_loss += drainage_->slip(x, state.v, state.film_gaps, state.flow.pressure, pressure, forces_, dt);
-    }
+    // What the nodes did in truth, relaxation and slip included, is what friction feels.
+    if (is_relaxed || drainage_)
+      parallel_for(static_cast<std::ptrdiff_t>(state.v.size()), [&](std::ptrdiff_t a) {
+        const std::size_t q = static_cast<std::size_t>(a);
+        if (!structure_->is_fixed()[q / 3]) state.v[q] = (state.x[q] - x_before_[q]) / dt;
+      });
     times_.coupling += seconds_since(start);
     state.ledger.work_pressure += report.pressure_work;
     state.ledger.boundary_kinetic += report.boundary_kinetic;
@@ -229,6 +243,20 @@ void Simulation::advance(State& state, double dt) {
       state.closing_volume = state.volume_backward - state.volume_at_closure_start;
     }
   }
+}
+
+void Simulation::book_unseen_motion(State& state) {
+  state.unseen_shift.resize(state.x.size());
+  parallel_for(static_cast<std::ptrdiff_t>(state.x.size()), [&](std::ptrdiff_t a) {
+    const std::size_t q = static_cast<std::size_t>(a);
+    state.unseen_shift[q] = state.x[q] - x_before_[q];
+  });
+  state.unseen_work = work_on(state.unseen_shift);
+  state.ledger.coupling_loss += state.unseen_work;
+}
+
+double Simulation::work_on(const std::vector<double>& shift) const {
+  return parallel_sum(static_cast<std::ptrdiff_t>(shift.size()), [&](std::ptrdiff_t a) { return forces_[static_cast<std::size_t>(a)] * shift[static_cast<std::size_t>(a)]; });
 }
 
 std::string Simulation::failure(const State& state, int outside) const {
@@ -291,6 +319,20 @@ void Simulation::refresh(State& state) {
   if (structure_->contact()) structure_->contact()->import_history(copy.friction_slip);
   structure_->evaluate(copy, 0.0, waveform_.at(state.time), forces_, ignored);
   if (structure_->contact()) structure_->contact()->import_history(state.friction_slip);
+}
+
+const std::vector<double>& Simulation::pressure_of_contact(const State& state) {
+  const SelfContact& contact = *structure_->contact();
+  const ContactSurface& surface = structure_->surface();
+  std::vector<double> push(state.x.size(), 0.0);
+  const auto nodal = contact.nodal_force();
+  for (std::size_t s = 0; s < surface.nodes.size(); ++s) Vec3::Map(push.data() + 3 * surface.nodes[s]) = nodal[s];
+  std::vector<double> x = state.x, v = state.v;
+  coupling_->bind({x, v, structure_->is_fixed()});
+  force_density_.set_zero();
+  coupling_->hand_over(push, force_density_);
+  fluid_->project(force_density_);
+  return fluid_->last_potential();
 }
 
 double Simulation::flow_backward(const State& state) const {

@@ -41,6 +41,9 @@ class Simulation {
   /// Recomputes forces and contact at the state's positions without moving anything, so that per-node results belong to this state.
   void refresh(State& state);
 
+  /// Pressure (Pa, padded cell field, zero at the open ends) that the spread contact forces of the last evaluation alone cause; blood and contact needed.
+  const std::vector<double>& pressure_of_contact(const State& state);
+
   /// The state a rollback returns to, for the checkpoint; null before the first step.
   const State* snapshot() const { return has_snapshot_ ? &snapshot_ : nullptr; }
   void restore_snapshot(const State& snapshot) {
@@ -59,6 +62,9 @@ class Simulation {
  private:
   void advance(State& state, double dt);
   void update_relaxation(State& state);
+  /// Books what relaxation and slip, which the blood does not feel, take from the budget.
+  void book_unseen_motion(State& state);
+  double work_on(const std::vector<double>& shift) const;
   double choose_step(State& state, double stop_time, std::string& limiter);
   std::string failure(const State& state, int outside) const;
 

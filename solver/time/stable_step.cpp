@@ -10,7 +10,7 @@ StableStep::StableStep(std::size_t unknowns, const FluidGrid* grid) : stiff_(unk
   if (grid) scratch_ = FaceField(*grid);
 }
 
-void StableStep::update(State& state, Structure& structure, const Coupling* coupling, int iterations) {
+void StableStep::update(State& state, Structure& structure, const Coupling* coupling, NavierStokes* fluid, int iterations) {
   const std::size_t unknowns = state.x.size();
   const auto& is_fixed = structure.is_fixed();
   if (state.mode_shape.size() != unknowns) {
@@ -27,7 +27,7 @@ void StableStep::update(State& state, Structure& structure, const Coupling* coup
     structure.stiffness_times(state.x, state.mode_shape, stiff_, shares);
     if (coupling) {
       const CoupledNodes nodes{state.x, state.v, is_fixed};
-      coupling->accelerate(nodes, stiff_, scratch_, moved_);
+      coupling->accelerate(nodes, stiff_, *fluid, scratch_, moved_);
     } else {
       for (std::size_t i = 0; i < unknowns; ++i) moved_[i] = is_fixed[i / 3] ? 0.0 : stiff_[i] / structure.masses()[i / 3];
     }

@@ -3,8 +3,8 @@
 
 // The stable step from the current tangent. A step is semi-implicit Euler, u += dt B F(x), x += dt u, with the mobility B: stable for
 // dt < 2 / omega, omega^2 the largest eigenvalue of B K. Found by power iteration from the last mode, so that a few products follow the
-// tangent as fibres stiffen; the share of tissue, chordae and contact in v.K.v names what limits the step. The pressure's reply, which is
-// left out, only lowers omega.
+// tangent as fibres stiffen; the share of tissue, chordae and contact in v.K.v names what limits the step. The mobility includes the pressure's
+// reply, so that the tissue's volumetric stiffness, which cannot move an incompressible blood, does not count.
 
 #include "solver/coupling/coupling.h"
 #include "solver/time/structure.h"
@@ -16,7 +16,7 @@ class StableStep {
   StableStep(std::size_t unknowns, const FluidGrid* grid);
 
   /// Improves state.mode_shape by `iterations` products and sets state.frequency (rad/s) and state.stiffest_part.
-  void update(State& state, Structure& structure, const Coupling* coupling, int iterations);
+  void update(State& state, Structure& structure, const Coupling* coupling, NavierStokes* fluid, int iterations);
 
  private:
   std::vector<double> stiff_, moved_;

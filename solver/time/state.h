@@ -28,6 +28,9 @@ struct State {
   std::vector<double> holding;        // N, what holds the blood at rest around held nodes (Coupling::hold)
   std::vector<double> relax_steps;    // s, per node: own critical step (Coupling::relax)
   std::vector<double> mean_volume;    // smoothed node volumes at their last evaluation (Coupling::relax)
+  std::vector<double> relax_shift;    // m, what the last step relaxed (Coupling::relax)
+  std::vector<double> unseen_shift;   // m, what the last step relaxed and slipped together ...
+  double unseen_work = 0;             // J, ... and the work of that step's forces on it
   std::vector<double> film_gaps;      // m, per leaflet node: gap to the facing leaflet at the last search (FilmDrainage)
   std::vector<double> friction_slip;  // contact history
   EnergyLedger ledger;

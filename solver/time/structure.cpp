@@ -2,6 +2,7 @@
 #include "solver/time/structure.h"
 
 #include <chrono>
+#include <cmath>
 #include <numeric>
 
 #include "geometry/core/errors.h"
@@ -15,10 +16,14 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 constexpr double metres_per_mm = 1e-3;
-// The penalty carries the largest pressure of the run at this share of the threshold.
-constexpr double penetration_share = 0.6;
-// Contact threshold over the fluid spacing, unless set.
-constexpr double threshold_share = 0.5;
+// The penalty carries the largest pressure of the run at an overlap of this share of its range.
+constexpr double penetration_share = 0.8;
+// Faces at gap 0 carry about eleven times the largest pressure of the run: what leaflets bear where they fold on each other.
+constexpr double contact_hardening = 20;
+// Averaging radius of the gap over the facet's edge: wide enough that borders which cross at an angle see each other between their nodes.
+constexpr double averaging_ratio = 0.6;
+// Range of the penalty over the fluid spacing, unless set.
+constexpr double range_share = 0.5;
 
 Material material_of(const Config& config, const std::string& leaflet) {
   const std::string at = "leaflet." + leaflet + ".";
@@ -98,12 +103,21 @@ Structure::Structure(const Scene& scene, double largest_pressure) : has_fluid_(s
     surface_ = extract_contact_surface(leaflet_rest, mesh.tets, mesh.order, mesh.side,
                                        config.text("contact.faces") == "inner" ? ContactFaces::inner : ContactFaces::both);
     ContactOptions options;
-    options.threshold = threshold_ = config.is_auto("contact.threshold") ? threshold_share * config.number("tube.spacing") : config.number("contact.threshold");
-    options.stiffness = config.number("contact.stiffness") * largest_pressure / (penetration_share * options.threshold);
+    const double spacing = config.number("tube.spacing");
+    options.threshold = config.is_auto("contact.range") ? range_share * spacing : config.number("contact.range");
+    threshold_ = config.is_auto("contact.threshold") ? std::max(options.threshold, has_fluid_ ? spacing : 0.0) : config.number("contact.threshold");
+    options.averaging_ratio = averaging_ratio;
+    options.hardening = contact_hardening;
+    options.stiffness = config.number("contact.stiffness") * largest_pressure / (penetration_share * (1 + contact_hardening * std::pow(penetration_share, 12)) * options.threshold);
     options.friction = config.number("contact.friction");
     options.thickness = config.number("mesh.thickness");
     options.search_every = static_cast<int>(config.integer("contact.search_every"));
     contact_ = std::make_unique<SelfContact>(surface_, options);
+    // The hinge is clamped: what folds there within a thickness of the annulus cannot give way, and no closure depends on it.
+    std::vector<double> stiffness = rest_distances_to(surface_, is_fixed_);
+    for (std::size_t s = 0; s < stiffness.size(); ++s)
+      stiffness[s] = options.stiffness * surface_.reference_area[s] * std::clamp(stiffness[s] / options.thickness - 1.0, 0.0, 1.0);
+    contact_->set_node_stiffness(stiffness);
   }
 }
 
@@ -150,15 +164,13 @@ void Structure::stiffness_times(std::span<const double> x, std::span<const doubl
   if (chordae_) chordae_->stiffness_times(x, tips_, v, out);
   shares[1] = product() - shares[0];
   if (contact_) {
-    const auto force = contact_->normal_force();
     const auto normal = contact_->normal();
-    const double stiffness = contact_->options().stiffness;
     for (int s = 0; s < surface_.node_count(); ++s) {
-      if (force[static_cast<std::size_t>(s)] <= 0) continue;
+      const double k = contact_->tangent_stiffness(s);
+      if (!(k > 0)) continue;
       // Both passes act on a node: once as a slave, once through the facets it is a corner of.
       const Vec3& n = normal[static_cast<std::size_t>(s)];
       const int node = surface_.nodes[static_cast<std::size_t>(s)];
-      const double k = stiffness * surface_.reference_area[static_cast<std::size_t>(s)];
       Vec3::Map(out.data() + 3 * node) += 2.0 * k * n.dot(Vec3::Map(v.data() + 3 * node)) * n;
     }
   }

@@ -50,7 +50,7 @@ class Structure {
   const SelfContact* contact() const { return contact_.get(); }
   const ContactSurface& surface() const { return surface_; }
   const ContactResult& contact_result() const { return contact_result_; }
-  double contact_threshold() const { return threshold_; }   // m
+  double contact_threshold() const { return threshold_; }   // m, gap below which faces count as touching
   const std::vector<std::array<int, 3>>& ventricular_faces() const { return ventricular_faces_; }
   const std::vector<std::array<int, 3>>& atrial_faces() const { return atrial_faces_; }
   double reference_volume() const { return reference_volume_; }

@@ -76,7 +76,11 @@ void put_contact(Summary& summary, const Simulation& simulation, const State& st
   for (int point : map.mesh_point) input.current.push_back(points[static_cast<std::size_t>(point)]);
   // The map keeps the order of the faces.
   for (int element : faces_on_side(scene.mesh, atrial).element) input.region.push_back(scene.mesh.region[static_cast<std::size_t>(element)]);
-  const BeltResult belt = measure_belt(input);
+  // Two points of a face nearer than this, along the solid, are never seen to touch: contact cannot tell a crease from a gap below it.
+  BeltOptions options;
+  options.spacing_mm = 1e3 * simulation.structure().contact()->options().exclusion_radius;
+  const BeltResult belt = measure_belt(input, options);
+  summary.set("contact.belt_spacing_mm", options.spacing_mm);
   summary.set("contact.belt_continuous", belt.continuous);
   summary.set("contact.belt_width_mm_mean", belt.width_mean_mm);
   Json interruptions = Json::array();
@@ -84,6 +88,7 @@ void put_contact(Summary& summary, const Simulation& simulation, const State& st
     interruptions.push_back({{"leaflet", i.region == anterior ? "anterior" : "posterior"}, {"u_from_mm", i.u_from}, {"u_to_mm", i.u_to}, {"width_mm", i.width_mm}});
   summary.set("contact.belt_interruptions", interruptions);
   summary.set("contact.threshold_mm", 1e3 * contact.threshold);
+  summary.set("contact.range_mm", 1e3 * simulation.structure().contact()->options().threshold);
   summary.set("contact.area_mm2", 1e6 * contact.area);
   summary.set("contact.force_N", contact.force_total);
   summary.set("contact.force_penalty_N", contact.penalty_total);
@@ -96,6 +101,32 @@ void put_contact(Summary& summary, const Simulation& simulation, const State& st
     std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
     summary.set("contact.belt_gap_mm_median", 1e3 * gaps[gaps.size() / 2]);
   }
+}
+
+/// Where triangles cross, gathered into places at least `apart_mm` from each other on the flat pattern.
+Json crossing_places(const LeafletMesh& mesh, const std::vector<std::array<int, 3>>& triangles, const std::vector<std::pair<int, int>>& crossings) {
+  constexpr double apart_mm = 3.0;
+  struct Place {
+    Vec2 uv;
+    int side;
+    long count;
+  };
+  std::vector<Place> places;
+  for (const auto& [first, second] : crossings)
+    for (int t : {first, second}) {
+      const auto& corners = triangles[static_cast<std::size_t>(t)];
+      const Vec2 uv = mesh.unfolded[static_cast<std::size_t>(corners[0])];
+      int side = mesh.side[static_cast<std::size_t>(corners[0])];
+      for (int c : corners)
+        if (mesh.side[static_cast<std::size_t>(c)] != side) side = 0;
+      auto near = std::find_if(places.begin(), places.end(), [&](const Place& p) { return p.side == side && (p.uv - uv).norm() < apart_mm; });
+      if (near == places.end()) places.push_back({uv, side, 1});
+      else ++near->count;
+    }
+  Json out = Json::array();
+  for (const Place& p : places)
+    out.push_back({{"u_mm", p.uv.x()}, {"v_mm", p.uv.y()}, {"face", p.side == atrial ? "atrial" : p.side == ventricular ? "ventricular" : "rim"}, {"triangles", p.count}});
+  return out;
 }
 
 }  // namespace
@@ -143,11 +174,13 @@ Summary summarize(Simulation& simulation, const State& state, const ContactMeasu
     summary.set("flow.leak_window_s", facts.leak_window);
     summary.set("flow.peak_velocity_m_s", facts.peak_velocity);
   }
-  const double default_threshold_mm = simulation.fluid() ? 0.5e3 * simulation.fluid()->grid().h : 0.5;
+  const double default_threshold_mm = simulation.fluid() ? 1e3 * simulation.fluid()->grid().h : 0.5;
   put_seal(summary, simulation, points, structure.contact() ? 1e3 * contact.threshold : default_threshold_mm);
   if (structure.contact()) put_contact(summary, simulation, state, points, contact);
   const auto boundary = boundary_faces(scene.mesh).triangles;
-  summary.set("contact.self_intersections", static_cast<long>(self_intersections(points, boundary).size()));
+  const auto crossings = self_intersections(points, boundary);
+  summary.set("contact.self_intersections", static_cast<long>(crossings.size()));
+  summary.set("contact.self_intersection_places", crossing_places(scene.mesh, boundary, crossings));
 
   const AnnulusPlane plane = plane_of(scene);
   const Triangles atrial_triangles = faces_on_side(scene.mesh, atrial).triangles;

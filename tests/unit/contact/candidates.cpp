@@ -55,7 +55,7 @@ double distance(const Crumpled& c, int node, int f) {
 
 TEST(CandidateSearch, finds_every_triangle_in_reach) {
   Crumpled c(1);
-  CandidateSearch search(c.surface, 1.5 * mm);
+  CandidateSearch search(c.surface, 1.5 * mm, 1.5 * mm);
   long expected = 0, listed = 0;
   for (double radius : {0.3 * mm, 1.1 * mm, 3 * mm}) {
     search.update(c.x, radius);
@@ -118,7 +118,7 @@ TEST(CandidateSearch, excludes_neighbours_and_the_back_face_but_not_separate_pie
   ASSERT_EQ(static_cast<int>(a.tets.size()), 2 * elements);
   const auto s = extract_contact_surface(a.x, a.tets, 1, a.side, ContactFaces::both);
   const double radius = 1.5 * mm;
-  CandidateSearch search(s, radius);
+  CandidateSearch search(s, radius, radius);
   int through = 0, own = 0, other = 0;
   for (int n = 0; n < s.node_count(); ++n) {
     for (int f = 0; f < s.triangle_count(); ++f) {
@@ -148,7 +148,7 @@ TEST(ClosestGaps, agree_with_brute_force) {
   Crumpled c(3);
   ContactOptions options;
   SelfContact contact(c.surface, options);
-  CandidateSearch rule(c.surface, contact.options().exclusion_radius);
+  CandidateSearch rule(c.surface, contact.options().exclusion_radius, contact.options().exclusion_radius_through);
   std::vector<Vec3> normals(c.surface.nodes.size());
   current_node_normals(c.surface, c.x, normals);
   for (bool atrial_only : {false, true}) {

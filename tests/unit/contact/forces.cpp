@@ -76,29 +76,54 @@ TEST(ContactForces, action_equals_reaction_and_moments_balance_to_round_off) {
 
 TEST(ContactForces, are_minus_the_gradient_of_the_energy) {
   OneThread one_thread;
-  WavySheets w(0.17 * mm, 0.08 * mm);  // gentle waves: every facing factor is 1, where the forces are the exact gradient
-  const auto s = contact_surface_from_triangles(w.mesh.x, w.mesh.triangles);
-  SelfContact contact(s, plain_options());
-  std::vector<double> forces(w.x.size(), 0.0), scratch(w.x.size());
-  const auto result = contact.evaluate(w.x, w.v, 0, forces);
-  ASSERT_GT(result.active_nodes, 100);
-  const double largest =
-      std::abs(*std::max_element(forces.begin(), forces.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
-  std::mt19937 random(2);
-  std::uniform_int_distribution<std::size_t> pick(0, w.x.size() - 1);
-  int loaded = 0;
-  for (int trial = 0; trial < 200; ++trial) {
-    const std::size_t k = pick(random);
-    const double h = 1e-9;
-    auto x = w.x;
-    x[k] += h;
-    const double up = contact.evaluate(x, w.v, 0, scratch).potential_energy;
-    x[k] -= 2 * h;
-    const double down = contact.evaluate(x, w.v, 0, scratch).potential_energy;
-    EXPECT_NEAR(forces[k], -(up - down) / (2 * h), 2e-6 * largest);
-    loaded += std::abs(forces[k]) > 1e-3 * largest;
+  for (const auto& [height, hardening] : {std::pair{0.17 * mm, 0.0}, std::pair{0.17 * mm, 20.0}, std::pair{0.0 * mm, 20.0}}) {
+    WavySheets w(height, 0.08 * mm);  // gentle waves: every facing factor is 1, where the forces are the exact gradient
+    const auto s = contact_surface_from_triangles(w.mesh.x, w.mesh.triangles);
+    auto options = plain_options();
+    options.hardening = hardening;
+    SelfContact contact(s, options);
+    std::vector<double> forces(w.x.size(), 0.0), scratch(w.x.size());
+    const auto result = contact.evaluate(w.x, w.v, 0, forces);
+    ASSERT_GT(result.active_nodes, 100);
+    const double largest =
+        std::abs(*std::max_element(forces.begin(), forces.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
+    std::mt19937 random(2);
+    std::uniform_int_distribution<std::size_t> pick(0, w.x.size() - 1);
+    int loaded = 0;
+    for (int trial = 0; trial < 200; ++trial) {
+      const std::size_t k = pick(random);
+      const double h = 1e-9;
+      auto x = w.x;
+      x[k] += h;
+      const double up = contact.evaluate(x, w.v, 0, scratch).potential_energy;
+      x[k] -= 2 * h;
+      const double down = contact.evaluate(x, w.v, 0, scratch).potential_energy;
+      EXPECT_NEAR(forces[k], -(up - down) / (2 * h), 2e-6 * largest);
+      loaded += std::abs(forces[k]) > 1e-3 * largest;
+    }
+    EXPECT_GT(loaded, 50);
   }
-  EXPECT_GT(loaded, 50);
+}
+
+TEST(ContactForces, hardening_follows_the_stated_law_and_stays_linear_beyond_touching) {
+  const double threshold = 0.2 * mm, hardening = 20;
+  for (double g : {0.15 * mm, 0.05 * mm, 0.0, -0.05 * mm}) {
+    TriangleMesh m;
+    m.add_sheet(10, 9, 5 * mm, 4.5 * mm, [](const Vec3& p) -> Vec3 { return p; });
+    const auto upper = m.add_sheet(
+        7, 8, 3 * mm, 3 * mm, [&](const Vec3& p) -> Vec3 { return p + Vec3(0.8 * mm, 0.9 * mm, g); }, true);
+    const auto s = contact_surface_from_triangles(m.x, m.triangles);
+    auto options = plain_options();
+    options.hardening = hardening;
+    SelfContact contact(s, options);
+    std::vector<double> forces(m.x.size(), 0.0), v(m.x.size(), 0.0);
+    contact.evaluate(m.x, v, 0, forces);
+    const double overlap = threshold - g, ratio = std::min(1.0, overlap / threshold);
+    const double within = std::min(overlap, threshold), slope = 1 + 13 * hardening * std::pow(ratio, 12);
+    const double expected = 1e8 * (within * (1 + hardening * std::pow(ratio, 12)) + slope * (overlap - within));
+    EXPECT_NEAR(contact.pressure()[upper[0] + 30], expected, 1e-9 * expected) << g;
+    EXPECT_NEAR(contact.tangent_stiffness(upper[0] + 30), 1e8 * slope * s.reference_area[upper[0] + 30], 1e-9 * slope) << g;
+  }
 }
 
 TEST(ContactForces, gap_is_exact_between_planes_in_any_position) {

@@ -99,7 +99,9 @@ TEST(SelfTriggering, a_thin_serpentine_touches_exactly_across_its_folds) {
       EXPECT_EQ(result.active_nodes, 0);
       continue;
     }
-    EXPECT_NEAR(result.min_gap, clearance, 0.1 * clearance);  // the bends are polygons
+    // The bends are polygons: in the crease, which contact sees down to two edges along the face, chords come nearer than the arcs.
+    EXPECT_GT(result.min_gap, 0.5 * clearance);
+    EXPECT_LT(result.min_gap, 1.1 * clearance);
     int should = 0;
     for (int n = 0; n < s.node_count(); ++n) {
       const Vec3 rest = s.reference[n];

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver/coupling/coupling.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <random>
+
+namespace {
+
+using mv::Coupling;
+using mv::FaceField;
+using mv::FluidGrid;
+using mv::Kernel;
+using mv::NavierStokes;
+using mv::Transfer;
+
+FluidGrid cube(int n, double h = 1e-3) {
+  FluidGrid g;
+  g.n = {n, n, n};
+  g.h = h;
+  return g;
+}
+
+/// Nodes on a lattice of half the fluid spacing that fills the middle of the box; each stands for its share of the volume.
+struct Block {
+  FluidGrid grid = cube(16);
+  int per_side = 20;
+  std::vector<double> x, v, force;
+  std::vector<char> is_fixed;
+  double volume = std::pow(0.5e-3, 3);
+
+  Block() {
+    for (int k = 0; k < per_side; ++k)
+      for (int j = 0; j < per_side; ++j)
+        for (int i = 0; i < per_side; ++i)
+          for (int c : {i, j, k}) x.push_back(3.25e-3 + 0.5e-3 * c);
+    v.assign(x.size(), 0.0);
+    force.assign(x.size(), 0.0);
+    is_fixed.assign(x.size() / 3, 0);
+  }
+  mv::CoupledNodes nodes() { return {x, v, is_fixed}; }
+  Coupling coupling() const {
+    Coupling c(Transfer(grid, mv::make_tube_wall(grid, {}), Kernel::ib4), 1000.0);
+    c.set_volumes(std::vector<double>(is_fixed.size(), volume));
+    return c;
+  }
+  /// Far enough inside that no kernel reaches the border of the block.
+  bool is_inner(std::size_t node) const {
+    const int n = static_cast<int>(node), m = per_side;
+    for (int c : {n % m, (n / m) % m, n / (m * m)})
+      if (c < 8 || c > m - 9) return false;
+    return true;
+  }
+};
+
+constexpr double tau = 5e-6, rho = 1000.0, kappa = 0.1, beta = 0.9;
+
+TEST(Relaxation, leaves_a_force_density_alone_that_the_blood_sees) {
+  Block b;
+  Coupling coupling = b.coupling();
+  for (std::size_t a = 0; a < b.force.size(); ++a) b.force[a] = b.volume * (2e6 + 1e8 * b.x[a - a % 3]);  // linear in x
+  const std::vector<double> before = b.x, steps(b.is_fixed.size(), tau);
+  std::vector<double> mean_volume, shift;
+  FaceField density(b.grid);
+  coupling.bind(b.nodes());
+  coupling.hand_over(b.force, density);
+  coupling.relax(b.nodes(), coupling.find_unseen(b.force, density, mean_volume), steps, rho, shift);
+  const double unseen = kappa * tau * tau / rho * 2e6;  // what the same density would do if it were invisible
+  for (std::size_t i = 0; i < b.is_fixed.size(); ++i)
+    for (std::size_t a = 3 * i; b.is_inner(i) && a < 3 * i + 3; ++a) EXPECT_NEAR(b.x[a] - before[a], 0.0, 1e-9 * unseen);
+}
+
+TEST(Relaxation, moves_along_a_force_that_the_blood_does_not_see_and_remembers_it) {
+  Block b;
+  Coupling coupling = b.coupling();
+  const double f = 1e6;
+  for (std::size_t i = 0; i < b.is_fixed.size(); ++i) {
+    const int n = static_cast<int>(i), m = b.per_side;
+    b.force[3 * i] = ((n % m + (n / m) % m + n / (m * m)) % 2 ? 1 : -1) * f * b.volume;  // alternates from node to node
+  }
+  const std::vector<double> steps(b.is_fixed.size(), tau);
+  std::vector<double> mean_volume, shift;
+  FaceField density(b.grid);
+  coupling.bind(b.nodes());
+  coupling.hand_over(b.force, density);
+  const std::vector<double> before = b.x;
+  coupling.relax(b.nodes(), coupling.find_unseen(b.force, density, mean_volume), steps, rho, shift);
+  const double expected = kappa * tau * tau / rho * f;
+  for (std::size_t i = 0; i < b.is_fixed.size(); ++i)
+    if (b.is_inner(i)) {
+      EXPECT_NEAR((b.x[3 * i] - before[3 * i]) * (b.force[3 * i] > 0 ? 1 : -1), expected, 1e-6 * expected);
+    }
+  coupling.relax(b.nodes(), coupling.find_unseen(b.force, density, mean_volume), steps, rho, shift);
+  for (std::size_t i = 0; i < b.is_fixed.size(); ++i)
+    if (b.is_inner(i)) {
+      EXPECT_NEAR(std::abs(shift[3 * i]), (1 + beta) * expected, 1e-6 * expected);
+    }
+}
+
+TEST(Relaxation, does_not_move_nodes_without_volume_or_held_ones) {
+  Block b;
+  std::vector<double> volumes(b.is_fixed.size(), b.volume);
+  volumes[100] = 0;
+  b.is_fixed[200] = 1;
+  Coupling coupling(Transfer(b.grid, mv::make_tube_wall(b.grid, {}), Kernel::ib4), 1000.0);
+  coupling.set_volumes(volumes);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> u(-1e-4, 1e-4);
+  for (double& f : b.force) f = u(random);
+  const std::vector<double> before = b.x, steps(b.is_fixed.size(), tau);
+  std::vector<double> mean_volume, shift;
+  FaceField density(b.grid);
+  coupling.bind(b.nodes());
+  coupling.hand_over(b.force, density);
+  coupling.relax(b.nodes(), coupling.find_unseen(b.force, density, mean_volume), steps, rho, shift);
+  for (std::size_t i : {std::size_t{100}, std::size_t{200}})
+    for (std::size_t a = 3 * i; a < 3 * i + 3; ++a) EXPECT_EQ(b.x[a], before[a]);
+  EXPECT_NE(b.x[303], before[303]);
+}
+
+TEST(Holding, a_held_plane_stops_the_blood_and_carries_the_pressure_difference) {
+  const FluidGrid grid = cube(12);
+  const double pressure = 100.0, density = 1000.0, dt = 2e-5, side = 12e-3;
+  mv::FluidBoundary boundary;
+  for (int axis : {0, 1})
+    for (auto& kind : boundary.side[static_cast<std::size_t>(axis)]) kind = mv::BoundaryKind::symmetry;
+  NavierStokes fluid(grid, boundary, mv::make_tube_wall(grid, {}), density, 1e-3);
+  Coupling coupling(Transfer(grid, fluid.wall(), Kernel::ib4), density);
+  std::vector<double> x;
+  for (int j = 0; j < 24; ++j)
+    for (int i = 0; i < 24; ++i) x.insert(x.end(), {0.25e-3 + 0.5e-3 * i, 0.25e-3 + 0.5e-3 * j, 6e-3});
+  const std::vector<char> held(x.size() / 3, 1);
+  std::vector<double> holding(3 * static_cast<std::size_t>(coupling.set_held(x, held)), 0.0);
+  mv::FlowState state = fluid.make_state();
+  FaceField force(grid);
+  const int steps = 400;
+  double carried = 0;  // mean over the second half: the springs ring
+  for (int n = 0; n < steps; ++n) {
+    force.set_zero();
+    coupling.hold(holding, state.velocity, dt, force);
+    fluid.advance(state, force, dt, {{{0, 0}, {0, 0}, {pressure, 0}}});
+    if (n < steps / 2) continue;
+    for (int k = 0; k <= 12; ++k)  // what kernels spread beyond the box is lost
+      for (int j = 0; j < 12; ++j)
+        for (int i = 0; i < 12; ++i) carried += force.c[2][static_cast<std::size_t>(grid.index(i, j, k))] * std::pow(grid.h, 3) / (steps / 2);
+  }
+  const double free_flow = pressure / density / side * dt * steps * side * side;  // of the unhindered column
+  EXPECT_LT(std::abs(fluid.flow_through_z(state, 3)), 0.01 * free_flow);
+  EXPECT_NEAR(-carried, pressure * side * side, 0.03 * pressure * side * side);
+}
+
+TEST(Motion, nodes_that_turn_with_the_blood_keep_their_distance) {
+  const FluidGrid grid = cube(16);
+  const double omega = 100.0, dt = 2.5e-4, centre = 8e-3;
+  FaceField u(grid);
+  for (int k = -2; k < grid.n[2] + 3; ++k)
+    for (int j = -2; j < grid.n[1] + 3; ++j)
+      for (int i = -2; i < grid.n[0] + 3; ++i) {
+        const std::size_t p = static_cast<std::size_t>(grid.index(i, j, k));
+        u.c[0][p] = -omega * ((j + 0.5) * grid.h - centre);
+        u.c[1][p] = omega * ((i + 0.5) * grid.h - centre);
+      }
+  Coupling coupling(Transfer(grid, mv::make_tube_wall(grid, {}), Kernel::ib4), 1000.0);
+  std::vector<double> x{centre + 3e-3, centre, centre}, v{0, omega * 3e-3, 0};
+  const std::vector<char> is_fixed{0};
+  const int steps = 251;  // one turn
+  for (int n = 0; n < steps; ++n) {
+    coupling.bind({x, v, is_fixed});
+    coupling.move({x, v, is_fixed}, u, dt);
+  }
+  const double radius = std::hypot(x[0] - centre, x[1] - centre);
+  const double euler_growth = 0.5 * omega * dt * omega * dt * steps;
+  EXPECT_LT(std::abs(radius / 3e-3 - 1), 0.05 * euler_growth);
+}
+
+TEST(Mobility, forces_that_only_press_do_not_accelerate) {
+  const FluidGrid grid = cube(12);
+  NavierStokes fluid(grid, mv::FluidBoundary(), mv::make_tube_wall(grid, {}), 1000.0, 1e-3);
+  FaceField f(grid);
+  std::vector<double> potential(grid.padded_size(), 0.0);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> u(-1, 1);
+  for (int k = 0; k < 12; ++k)
+    for (int j = 0; j < 12; ++j)
+      for (int i = 0; i < 12; ++i) potential[static_cast<std::size_t>(grid.index(i, j, k))] = u(random);
+  // The gradient of a potential that is zero on the open sides and flat on the walls.
+  auto at = [&](int i, int j, int k) { return potential[static_cast<std::size_t>(grid.index(i, j, k))]; };
+  for (int k = 0; k <= 12; ++k)
+    for (int j = 0; j < 12; ++j)
+      for (int i = 0; i < 12; ++i) {
+        const std::size_t p = static_cast<std::size_t>(grid.index(i, j, k));
+        if (k < 12 && i > 0) f.c[0][p] = (at(i, j, k) - at(i - 1, j, k)) / grid.h;
+        if (k < 12 && j > 0) f.c[1][p] = (at(i, j, k) - at(i, j - 1, k)) / grid.h;
+        const double above = k < 12 ? at(i, j, k) : -at(i, j, 11), below = k > 0 ? at(i, j, k - 1) : -at(i, j, 0);
+        f.c[2][p] = (above - below) / grid.h;
+      }
+  fluid.project(f);
+  for (std::size_t c = 0; c < 3; ++c)
+    for (int k = 0; k < 12; ++k)
+      for (int j = 0; j < 12; ++j)
+        for (int i = 0; i < 12; ++i) EXPECT_NEAR(f.c[c][static_cast<std::size_t>(grid.index(i, j, k))] * grid.h, 0.0, 1e-12);
+  for (int k = 0; k < 12; ++k)
+    for (int j = 0; j < 12; ++j)
+      for (int i = 0; i < 12; ++i) {
+        const std::size_t p = static_cast<std::size_t>(grid.index(i, j, k));
+        EXPECT_NEAR(fluid.last_potential()[p], potential[p], 1e-12);
+      }
+}
+
+TEST(Mobility, projecting_twice_changes_nothing_and_leaves_no_divergence) {
+  const FluidGrid grid = cube(10);
+  std::vector<Eigen::Vector2d> circle;
+  for (int i = 0; i < 60; ++i) circle.emplace_back(5e-3 + 4e-3 * std::cos(2 * M_PI * i / 60), 5e-3 + 4e-3 * std::sin(2 * M_PI * i / 60));
+  for (bool has_wall : {false, true}) {
+    NavierStokes fluid(grid, mv::FluidBoundary(), has_wall ? mv::make_tube_wall(grid, circle) : mv::make_tube_wall(grid, {}), 1000.0, 1e-3);
+    FaceField f(grid);
+    std::mt19937 random(2);
+    std::uniform_real_distribution<double> u(-1, 1);
+    for (auto& c : f.c)
+      for (double& value : c) value = u(random);
+    fluid.project(f);
+    mv::FlowState state = fluid.make_state();
+    state.velocity = f;
+    EXPECT_LT(fluid.relative_divergence(state), 1e-12);
+    if (has_wall) continue;  // projection leaks a little through the masked wall, as a step does
+    const FaceField once = f;
+    fluid.project(f);
+    for (std::size_t c = 0; c < 3; ++c)
+      for (int k = 0; k < 10; ++k)
+        for (int j = 0; j < 10; ++j)
+          for (int i = 0; i < 10; ++i) {
+            const std::size_t p = static_cast<std::size_t>(grid.index(i, j, k));
+            EXPECT_NEAR(f.c[c][p], once.c[c][p], 1e-12);
+          }
+  }
+}
+
+}  // namespace

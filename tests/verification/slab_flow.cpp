@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "verification/slab_flow.h"
+
+#include <algorithm>
+
+namespace mv::test {
+namespace {
+
+// Rhythms of Simulation::advance (solver/time/simulation.cpp).
+constexpr long estimate_every = 50, volumes_every = 10, gaps_every = 20;
+
+FluidBoundary periodic_in_y(FluidBoundary boundary) {
+  boundary.side[1] = {BoundaryKind::periodic, BoundaryKind::periodic};
+  return boundary;
+}
+
+}  // namespace
+
+void fold_periodic_y(const FluidGrid& grid, FaceField& field, bool fill) {
+  const int n = grid.n[1], end = n + 1 + FluidGrid::ghosts;
+  for (auto& component : field.c)
+    for (int k = -FluidGrid::ghosts; k < grid.n[2] + 1 + FluidGrid::ghosts; ++k)
+      for (int i = -FluidGrid::ghosts; i < grid.n[0] + 1 + FluidGrid::ghosts; ++i) {
+        const auto value = [&](int j) -> double& { return component[static_cast<std::size_t>(grid.index(i, j, k))]; };
+        const auto image = [&](int j) { return ((j % n) + n) % n; };
+        for (int j = -FluidGrid::ghosts; j < end; ++j)
+          if (j < 0 || j >= n) value(image(j)) += value(j);
+        for (int j = -FluidGrid::ghosts; j < end; ++j)
+          if (j < 0 || j >= n) value(j) = fill ? value(image(j)) : 0.0;
+      }
+}
+
+SlabFlow::SlabFlow(const SlabSetup& setup, const SlabTissue& tissue, const std::vector<double>& held_points)
+    : tissue_(tissue),
+      setup_(setup),
+      fluid_(setup.grid, periodic_in_y(setup.boundary), make_tube_wall(setup.grid, {}), setup.density, setup.viscosity),
+      solid_(tissue.mesh, {setup.material}),
+      coupling_(Transfer(setup.grid, fluid_.wall(), setup.kernel), setup.density),
+      flow_(fluid_.make_state()),
+      force_density_(setup.grid),
+      scratch_(setup.grid),
+      rest_(tissue.mesh.points) {
+  rest_.insert(rest_.end(), held_points.begin(), held_points.end());
+  x_ = rest_;
+  v_.assign(x_.size(), 0.0);
+  forces_.assign(x_.size(), 0.0);
+  const std::size_t count = x_.size() / 3;
+  is_still_ = tissue.is_held;
+  is_still_.resize(count, 1);
+  std::vector<char> holds = is_still_;
+  volumes_ = solid_.node_volumes();
+  volumes_.resize(count, 0.0);
+  for (int i = 0; i < tissue_.node_count(); ++i)
+    if (tissue_.is_copy(i)) {
+      const std::size_t copy = static_cast<std::size_t>(i);
+      is_still_[copy] = 1;
+      holds[copy] = 0;
+      volumes_[static_cast<std::size_t>(tissue_.repeats[copy])] += volumes_[copy];
+      volumes_[copy] = 0;
+    }
+  coupling_.set_volumes(volumes_);
+  holding_.assign(3 * static_cast<std::size_t>(coupling_.set_held(rest_, holds)), 0.0);
+}
+
+void SlabFlow::set_contact(const ContactOptions& options, const std::optional<FilmDrainageOptions>& drainage) {
+  surface_ = facing_surface(tissue_);
+  contact_ = make_contact(surface_, options, tissue_.is_held);
+  if (drainage)
+    drainage_.emplace(surface_, *contact_, tissue_.mesh.points, tissue_.is_held, setup_.grid, *drainage);
+}
+
+void SlabFlow::update_relaxation() {
+  std::vector<double> element_steps(static_cast<std::size_t>(solid_.element_count()));
+  solid_.critical_step(leaflet(x_), element_steps);
+  relax_steps_.assign(is_still_.size(), 1e300);
+  for (std::size_t q = 0; q < tissue_.mesh.tets.size(); ++q) {
+    const int node = tissue_.repeats[static_cast<std::size_t>(tissue_.mesh.tets[q])];
+    double& step = relax_steps_[static_cast<std::size_t>(node)];
+    step = std::min(step, element_steps[q / 4]);
+  }
+  for (double& step : relax_steps_)
+    if (step > 1e200) step = 0;
+}
+
+std::vector<double> SlabFlow::find_unseen(const std::vector<double>& forces) {
+  if (step_ % volumes_every == 0 || mean_volume_.empty()) {
+    std::vector<double> volume_vectors(x_.size());
+    for (std::size_t a = 0; a < volume_vectors.size(); ++a) volume_vectors[a] = volumes_[a / 3];
+    scratch_.set_zero();
+    coupling_.hand_over(volume_vectors, scratch_);
+    fold_periodic_y(setup_.grid, scratch_, true);
+    mean_volume_.assign(x_.size(), 0.0);
+    coupling_.transfer().interpolate(scratch_, mean_volume_);
+  }
+  scratch_.set_zero();
+  coupling_.hand_over(forces, scratch_);
+  fold_periodic_y(setup_.grid, scratch_, true);
+  const std::span<double> unseen = coupling_.find_unseen(forces, scratch_, mean_volume_);
+  return {unseen.begin(), unseen.end()};
+}
+
+void SlabFlow::relax_and_drain(const CoupledNodes& nodes, double dt, double pressure) {
+  std::vector<double> unseen = find_unseen(forces_);
+  if (drainage_) {
+    if (step_ % gaps_every == 0) drainage_->find_gaps(leaflet(x_), film_gaps_);
+    tissue_.share_with_copies(solid_.node_volumes(), unseen);
+    std::vector<double> forces_shared = forces_;
+    tissue_.share_with_copies(solid_.node_volumes(), forces_shared);
+    drainage_->press(leaflet(x_), film_gaps_, flow_.pressure, pressure, leaflet(forces_shared), unseen);
+  }
+  if (setup_.relaxation != Relaxation::none) {
+    if (step_ % estimate_every == 0) update_relaxation();
+    std::vector<double> relaxing = setup_.relaxation == Relaxation::tissue_forces ? find_unseen(tissue_forces_) : unseen;
+    tissue_.gather_copies(relaxing);
+    coupling_.relax(nodes, relaxing, relax_steps_, setup_.material.density, relax_shift_);
+  }
+  if (drainage_) drainage_->slip(leaflet(x_), film_gaps_, dt);
+}
+
+void SlabFlow::advance(double dt, double pressure) {
+  x_before_ = x_;
+  std::fill(forces_.begin(), forces_.end(), 0.0);
+  solid_.forces(leaflet(x_), leaflet(forces_));
+  tissue_forces_ = forces_;
+  if (contact_) contact_->evaluate(leaflet(x_), leaflet(v_), dt, leaflet(forces_));
+  tissue_.gather_copies(tissue_forces_);
+  tissue_.gather_copies(forces_);
+
+  const CoupledNodes nodes{x_, v_, is_still_};
+  coupling_.bind(nodes);
+  force_density_.set_zero();
+  coupling_.hand_over(forces_, force_density_);
+  if (setup_.relaxation != Relaxation::none || drainage_) relax_and_drain(nodes, dt, pressure);
+  coupling_.hold(holding_, flow_.velocity, dt, force_density_);
+  fold_periodic_y(setup_.grid, force_density_, false);
+  fluid_.advance(flow_, force_density_, dt, {{{0, 0}, {0, 0}, {pressure, 0}}});
+  coupling_.move(nodes, flow_.velocity, dt);
+  for (std::size_t a = 0; a < v_.size(); ++a)
+    if (!is_still_[a / 3]) v_[a] = (x_[a] - x_before_[a]) / dt;
+  tissue_.follow_first_plane(x_, v_);
+  ++step_;
+}
+
+std::vector<double> SlabFlow::contact_forces() {
+  std::vector<double> forces(x_.size(), 0.0);
+  const std::vector<double> history = contact_->export_history();
+  contact_->evaluate(leaflet(x_), leaflet(v_), 0.0, leaflet(forces));
+  contact_->import_history(history);
+  return forces;
+}
+
+std::vector<double> SlabFlow::pressure_of(std::vector<double> forces) {
+  tissue_.gather_copies(forces);
+  coupling_.bind({x_, v_, is_still_});
+  scratch_.set_zero();
+  coupling_.hand_over(forces, scratch_);
+  fold_periodic_y(setup_.grid, scratch_, false);
+  fluid_.project(scratch_);
+  return fluid_.last_potential();
+}
+
+}  // namespace mv::test

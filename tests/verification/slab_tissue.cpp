@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "verification/slab_tissue.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/core/case.h"
+
+namespace mv::test {
+namespace {
+
+// Nodes stand a quarter of their spacing inside the slab, so that none falls on its border.
+double plane_y(int j, double depth, int columns) { return depth * (j + 0.25) / columns; }
+
+}  // namespace
+
+Plate SlabTissue::add_plate(Range x, int nx, Range z, int nz) {
+  const Plate plate{node_count(), nx, nz, columns};
+  for (int k = 0; k <= nz; ++k)
+    for (int j = 0; j <= columns; ++j)
+      for (int i = 0; i <= nx; ++i) {
+        mesh.points.insert(mesh.points.end(),
+                           {x.low + (x.high - x.low) * i / nx, plane_y(j, depth, columns), z.low + (z.high - z.low) * k / nz});
+        side.push_back(between);
+        is_held.push_back(0);
+        repeats.push_back(plate.node(i, j == columns ? 0 : j, k));
+      }
+  // The same six tetrahedra around the diagonal in every cell: conforming, and periodic along y.
+  constexpr std::array<std::array<int, 3>, 6> orders{{{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
+  for (int k = 0; k < nz; ++k)
+    for (int j = 0; j < columns; ++j)
+      for (int i = 0; i < nx; ++i)
+        for (std::size_t o = 0; o < orders.size(); ++o) {
+          std::array<int, 3> corner{i, j, k};
+          std::array<int, 4> tet{plate.node(i, j, k)};
+          for (std::size_t s = 0; s < 3; ++s) {
+            ++corner[static_cast<std::size_t>(orders[o][s])];
+            tet[s + 1] = plate.node(corner[0], corner[1], corner[2]);
+          }
+          const bool is_odd = o == 1 || o == 2 || o == 5;  // odd permutations are turned over
+          if (is_odd) std::swap(tet[2], tet[3]);
+          mesh.tets.insert(mesh.tets.end(), tet.begin(), tet.end());
+          mesh.fibres.insert(mesh.fibres.end(), {0, 1, 0});
+          mesh.material.push_back(0);
+        }
+  return plate;
+}
+
+void SlabTissue::gather_copies(std::vector<double>& array) const {
+  for (int i = 0; i < node_count(); ++i)
+    if (is_copy(i))
+      for (std::size_t a = 0; a < 3; ++a) {
+        double& copy = array[3 * static_cast<std::size_t>(i) + a];
+        array[3 * static_cast<std::size_t>(repeats[static_cast<std::size_t>(i)]) + a] += copy;
+        copy = 0;
+      }
+}
+
+void SlabTissue::share_with_copies(std::span<const double> volumes, std::vector<double>& array) const {
+  for (int i = 0; i < node_count(); ++i)
+    if (is_copy(i)) {
+      const std::size_t copy = static_cast<std::size_t>(i), own = static_cast<std::size_t>(repeats[copy]);
+      const double share = volumes[copy] / (volumes[copy] + volumes[own]);
+      for (std::size_t a = 0; a < 3; ++a) {
+        array[3 * copy + a] = share * array[3 * own + a];
+        array[3 * own + a] *= 1 - share;
+      }
+    }
+}
+
+void SlabTissue::follow_first_plane(std::vector<double>& x, std::vector<double>& v) const {
+  for (int i = 0; i < node_count(); ++i) {
+    const std::size_t to = 3 * static_cast<std::size_t>(i),
+                      from = 3 * static_cast<std::size_t>(repeats[static_cast<std::size_t>(i)]);
+    for (std::size_t a : {0u, 2u}) {
+      x[to + a] = x[from + a];
+      v[to + a] = v[from + a];
+    }
+    x[to + 1] = mesh.points[to + 1];
+    v[to + 1] = 0;
+  }
+}
+
+ContactSurface facing_surface(const SlabTissue& tissue) {
+  std::vector<std::array<int, 10>> tets(tissue.mesh.tets.size() / 4);
+  for (std::size_t e = 0; e < tets.size(); ++e)
+    std::copy_n(tissue.mesh.tets.begin() + static_cast<std::ptrdiff_t>(4 * e), 4, tets[e].begin());
+  return extract_contact_surface(tissue.mesh.points, tets, 1, tissue.side, ContactFaces::inner);
+}
+
+std::unique_ptr<SelfContact> make_contact(const ContactSurface& surface, const ContactOptions& options,
+                                          std::span<const char> is_held) {
+  auto contact = std::make_unique<SelfContact>(surface, options);
+  std::vector<double> stiffness = rest_distances_to(surface, is_held);
+  for (std::size_t s = 0; s < stiffness.size(); ++s)
+    stiffness[s] = options.stiffness * surface.reference_area[s] * std::clamp(stiffness[s] / options.thickness - 1.0, 0.0, 1.0);
+  contact->set_node_stiffness(stiffness);
+  return contact;
+}
+
+std::vector<double> block_points(Range x, Range z, double spacing, double depth, int columns) {
+  const auto cells = [&](Range r) { return std::max(1, static_cast<int>(std::ceil((r.high - r.low) / spacing - 1e-9))); };
+  const int nx = cells(x), nz = cells(z);
+  std::vector<double> points;
+  for (int k = 0; k <= nz; ++k)
+    for (int j = 0; j < columns; ++j)
+      for (int i = 0; i <= nx; ++i)
+        points.insert(points.end(),
+                      {x.low + (x.high - x.low) * i / nx, plane_y(j, depth, columns), z.low + (z.high - z.low) * k / nz});
+  return points;
+}
+
+FluidGrid slab_grid(Range x, Range z, double h, int cells_deep) {
+  FluidGrid grid;
+  grid.h = h;
+  grid.n = {static_cast<int>(std::lround((x.high - x.low) / h)), cells_deep, static_cast<int>(std::lround((z.high - z.low) / h))};
+  grid.lower = {x.low, 0.0, z.low};
+  return grid;
+}
+
+}  // namespace mv::test
