@@ -110,7 +110,7 @@ void SlabFlow::relax_and_drain(const CoupledNodes& nodes, double dt, double pres
   }
   if (setup_.relaxation != Relaxation::none) {
     if (step_ % estimate_every == 0) update_relaxation();
-    std::vector<double> relaxing = setup_.relaxation == Relaxation::tissue_forces ? find_unseen(tissue_forces_) : unseen;
+    std::vector<double> relaxing = unseen;
     tissue_.gather_copies(relaxing);
     coupling_.relax(nodes, relaxing, relax_steps_, setup_.material.density, relax_shift_);
   }
@@ -121,9 +121,7 @@ void SlabFlow::advance(double dt, double pressure) {
   x_before_ = x_;
   std::fill(forces_.begin(), forces_.end(), 0.0);
   solid_.forces(leaflet(x_), leaflet(forces_));
-  tissue_forces_ = forces_;
   if (contact_) contact_->evaluate(leaflet(x_), leaflet(v_), dt, leaflet(forces_));
-  tissue_.gather_copies(tissue_forces_);
   tissue_.gather_copies(forces_);
 
   const CoupledNodes nodes{x_, v_, is_still_};

@@ -19,9 +19,8 @@ namespace mv::test {
 /// `fill`.
 void fold_periodic_y(const FluidGrid& grid, FaceField& field, bool fill);
 
-/// What Coupling::relax() acts on: nothing; all that is unseen, contact and the film's lost pressure included, as in
-/// Simulation::advance; or what is unseen of the tissue's own forces.
-enum class Relaxation { none, all_forces, tissue_forces };
+/// What Coupling::relax() acts on: nothing, or all that is unseen, contact and the film's pressure included, as in Simulation::advance.
+enum class Relaxation { none, all_forces };
 
 struct SlabSetup {
   FluidGrid grid;
@@ -78,7 +77,7 @@ class SlabFlow {
   std::optional<FilmDrainage> drainage_;
   FlowState flow_;
   FaceField force_density_, scratch_;
-  std::vector<double> rest_, x_, v_, x_before_, forces_, tissue_forces_, volumes_;
+  std::vector<double> rest_, x_, v_, x_before_, forces_, volumes_;
   std::vector<double> holding_, relax_steps_, mean_volume_, relax_shift_, film_gaps_;
   std::vector<char> is_still_;  // held or a copy: takes no part in the coupling
   long step_ = 0;

@@ -76,33 +76,24 @@ TEST_F(TwoSheetsTest, drained_film_leaves_the_pressure_to_the_contact) {
   EXPECT_NEAR(b.sum(), s.pressure, 0.08 * s.pressure);
 }
 
-// Relaxation as in Simulation::advance. Measured: penalty 0.81 p, sum 0.65 p, whatever the step. relax() squeezes the sheets
-// between the contact on their faces and the film's lost pressure, which is shared over the thickness; the stress of that is
-// smeared over the film and takes 0.35 p off p_mid, which the slip then takes for a film that has drained. The next test relaxes
-// the tissue's own forces only, the last one states what is wanted.
-TEST_F(TwoSheetsTest, relaxation_of_all_forces_closes_the_gap) {
+// As Simulation::advance does it. Wanted: contact carries the pressure within 5 %, faces closer than 0.2 h.
+TEST_F(TwoSheetsTest, drained_and_relaxed_sheets_report_the_applied_pressure_node_by_node) {
   const TwoSheetsSpec s = with(Relaxation::all_forces);
   const BeltMeans b = in_blood("drained, relaxed", s);
-  EXPECT_LT(b.gap, 0.2 * s.h);
-  EXPECT_GT(b.penalty, 0.78 * s.pressure);
-  EXPECT_LT(b.penalty, 1.05 * s.pressure);
-}
-
-TEST_F(TwoSheetsTest, relaxation_of_the_tissue_alone_leaves_the_pressure_to_the_contact) {
-  const TwoSheetsSpec s = with(Relaxation::tissue_forces);
-  const BeltMeans b = in_blood("drained, tissue relaxed", s);
-  EXPECT_NEAR(b.penalty, s.pressure, 0.05 * s.pressure);
-  EXPECT_GT(b.penalty_min, 0.95 * s.pressure);  // node by node
+  EXPECT_NEAR(b.penalty, s.pressure, 0.02 * s.pressure);
+  EXPECT_GT(b.penalty_min, 0.95 * s.pressure);
   EXPECT_LT(b.penalty_max, 1.05 * s.pressure);
   EXPECT_LT(b.gap, 0.2 * s.h);
-  EXPECT_NEAR(b.sum(), s.pressure, 0.02 * s.pressure);
+  EXPECT_NEAR(b.sum(), s.pressure, 0.05 * s.pressure);
 }
 
-TEST_F(TwoSheetsTest, DISABLED_wanted_relaxation_of_all_forces_leaves_the_pressure_to_the_contact) {
-  const TwoSheetsSpec s = with(Relaxation::all_forces);
-  const BeltMeans b = in_blood("drained, relaxed", s);
-  EXPECT_NEAR(b.penalty, s.pressure, 0.05 * s.pressure);
-  EXPECT_NEAR(b.sum(), s.pressure, 0.05 * s.pressure);
+TEST_F(TwoSheetsTest, equilibrium_does_not_depend_on_step_or_drainage_time) {
+  TwoSheetsSpec s = with(Relaxation::all_forces);
+  const BeltMeans half = in_blood("drained, relaxed, half step", s, 0.5);
+  EXPECT_NEAR(half.penalty, s.pressure, 0.02 * s.pressure);
+  s.drainage_time = 2.5e-3;
+  const BeltMeans fast = in_blood("drained twice as fast, relaxed", s);
+  EXPECT_NEAR(fast.penalty, s.pressure, 0.02 * s.pressure);
 }
 
 TEST_F(TwoSheetsTest, DISABLED_table) {
@@ -115,22 +106,17 @@ TEST_F(TwoSheetsTest, DISABLED_table) {
     for (const double step_factor : {1.0, 0.5}) {
       in_blood(step_factor < 1 ? "drained, relaxed, half step" : "drained, relaxed", with(Relaxation::all_forces, s),
                step_factor);
-      in_blood(step_factor < 1 ? "drained, tissue relaxed, half step" : "drained, tissue relaxed",
-               with(Relaxation::tissue_forces, s), step_factor);
     }
   }
 }
 
 // Narrower kernels move less blood with a node: half the step.
 TEST_F(TwoSheetsTest, DISABLED_table_of_kernels) {
-  for (const Kernel kernel : {Kernel::ib3, Kernel::cbs32})
-    for (const Relaxation relaxation : {Relaxation::all_forces, Relaxation::tissue_forces}) {
-      TwoSheetsSpec s = with(relaxation);
-      s.kernel = kernel;
-      std::printf("%s, %s relaxed: ", kernel == Kernel::ib3 ? "ib3" : "cbs32",
-                  relaxation == Relaxation::all_forces ? "all" : "tissue");
-      in_blood("drained", s, 0.5);
-    }
+  for (const Kernel kernel : {Kernel::ib3, Kernel::cbs32}) {
+    TwoSheetsSpec s = with(Relaxation::all_forces);
+    s.kernel = kernel;
+    in_blood(kernel == Kernel::ib3 ? "ib3: drained, relaxed" : "cbs32: drained, relaxed", s, 0.5);
+  }
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ constexpr double h = 1e-3, pressure = 16e3, threshold = 0.5e-3;
 /// Two square sheets of 10 mm that face each other a gap apart, half way up a box of blood.
 struct Sheets {
   FluidGrid grid;
-  std::vector<double> rest, x, v, unseen;  // unseen: contact alone at the start
+  std::vector<double> rest, x, v, forces, unseen;  // forces: of contact alone at the start
   std::vector<char> is_fixed;
   std::vector<double> blood;
   ContactSurface surface;
@@ -53,7 +53,8 @@ struct Sheets {
     options.stiffness = pressure / (0.8 * threshold);
     contact = std::make_unique<SelfContact>(surface, options);
     unseen.assign(x.size(), 0.0);
-    contact->evaluate(x, v, 0.0, unseen);
+    forces.assign(x.size(), 0.0);
+    contact->evaluate(x, v, 0.0, forces);
   }
   double speed(std::size_t node, double dt = 1e-5) const { return (x[3 * node + 2] - rest[3 * node + 2]) / dt; }
   FilmDrainage drainage(FilmDrainageOptions options = {}) const {
@@ -63,8 +64,8 @@ struct Sheets {
   void slip(FilmDrainage& drainage, double dt = 1e-5) {
     std::vector<double> gaps;
     drainage.find_gaps(x, gaps);
-    drainage.press(x, gaps, blood, pressure, unseen);
-    drainage.slip(x, gaps, unseen, dt);
+    drainage.press(x, gaps, blood, pressure, forces, unseen);
+    drainage.slip(x, gaps, dt);
   }
   std::size_t centre(int sheet) const { return static_cast<std::size_t>(sheet * side * side + side * (side / 2) + side / 2); }
 };
@@ -81,12 +82,34 @@ TEST(FilmDrainage, drains_at_the_stated_speed_and_towards_each_other) {
   EXPECT_NEAR(s.x[3 * s.centre(0)], s.rest[3 * s.centre(0)], 1e-15);
 }
 
-TEST(FilmDrainage, rests_where_the_film_has_the_atriums_pressure) {
-  Sheets s(1.2 * h);
+TEST(FilmDrainage, rests_without_a_pressure_and_where_the_leaflets_carry_it_themselves) {
+  Sheets still(1.2 * h);
+  FilmDrainage none = still.drainage();
+  still.fill(0.0);
+  still.slip(none);
+  EXPECT_EQ(still.x, still.rest);
+  Sheets taut(1.2 * h);
+  FilmDrainage drainage = taut.drainage();
+  taut.fill(pressure);
+  std::vector<double> areas(taut.surface.nodes.size());
+  mv::current_tributary_areas(taut.surface, taut.x, areas);
+  const std::size_t half = taut.x.size() / 6;
+  for (std::size_t n = 0; n < areas.size(); ++n) taut.forces[3 * n + 2] = (n < half ? -1 : 1) * pressure * areas[n];
+  taut.slip(drainage);
+  EXPECT_NEAR(taut.speed(taut.centre(0)), 0.0, 1e-9);
+  EXPECT_NEAR(taut.unseen[3 * taut.centre(0) + 2], 0.0, 1e-9 * pressure * areas[0]);
+}
+
+TEST(FilmDrainage, hands_the_films_pressure_to_the_face_that_contact_presses) {
+  Sheets s(0.2 * threshold);
   FilmDrainage drainage = s.drainage();
-  s.fill(0.0);
+  s.fill(pressure);
   s.slip(drainage);
-  EXPECT_EQ(s.x, s.rest);
+  std::vector<double> areas(s.surface.nodes.size());
+  mv::current_tributary_areas(s.surface, s.x, areas);
+  const std::size_t middle = s.centre(0);
+  EXPECT_NEAR(s.unseen[3 * middle + 2], pressure * areas[middle], 1e-6 * pressure * areas[middle]);
+  EXPECT_NEAR(s.forces[3 * middle + 2] + s.unseen[3 * middle + 2], 0.0, 1e-6 * pressure * areas[middle]);
 }
 
 TEST(FilmDrainage, rests_beyond_its_reach) {
@@ -114,8 +137,8 @@ TEST(FilmDrainage, never_closes_faces_that_touch) {
   Sheets s(0.0);
   // The contact carries nothing here: the pressure difference is what pushes.
   s.contact->set_node_stiffness(std::vector<double>(s.surface.nodes.size(), 0.0));
-  s.unseen.assign(s.x.size(), 0.0);
-  s.contact->evaluate(s.x, s.v, 0.0, s.unseen);
+  s.forces.assign(s.x.size(), 0.0);
+  s.contact->evaluate(s.x, s.v, 0.0, s.forces);
   FilmDrainage drainage = s.drainage();
   s.fill(pressure);
   s.slip(drainage);
