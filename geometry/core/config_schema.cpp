@@ -117,13 +117,13 @@ const Row rows[] = {
     {"contact.friction", "number", "0.2", "0 .. 10", "Coulomb coefficient; 0 leaves friction out"},
     {"contact.faces", "choice both|inner", "both", "", "faces that can touch: both, or the atrial (inner) faces only"},
     {"contact.threshold", "length?", "auto", "0 mm .. 10 mm", "gap below which faces count as touching: verdict, belt and map; auto: the fluid spacing, below which the grid carries no flow (contact.range without blood)"},
-    {"contact.range", "length?", "auto", "0 mm .. 10 mm", "gap below which faces push each other apart; auto: half the fluid spacing"},
-    {"contact.stiffness", "number", "1", "0 .. 1000", "factor on the penalty stiffness, which carries the largest pressure of the run at a fifth of contact.range"},
+    {"contact.range", "length?", "auto", "0.001 mm .. 10 mm", "gap below which faces push each other apart; auto: half the fluid spacing"},
+    {"contact.stiffness", "number", "1", "0 .. 1000", "factor on the penalty stiffness, which carries the largest pressure of the run at a gap of a quarter of contact.range"},
     {"contact.search_every", "integer", "0", "0 .. 1000", "steps between two searches for candidates; 0: when the leaflets have moved far enough"},
 
     {"coupling.scheme", "choice interpolation|drained", "drained", "", "how leaflets and blood are coupled (solver/README.md)"},
     {"coupling.relaxation", "flag", "true", "", "relax distortion shorter than the kernel, which the blood does not see"},
-    {"coupling.drainage_time", "time", "5 ms", "0.01 ms ..", "drained: time in which a blood film as thick as a fluid cell drains between facing leaflets under the peak pressure"},
+    {"coupling.drainage_time", "time", "5 ms", "0.5 ms ..", "drained: time in which a blood film as thick as a fluid cell drains between facing leaflets under the peak pressure"},
 
     {"pressure.waveform", "choice systolic|ramp|csv", "systolic", "", "ventricular minus atrial pressure: rise and hold, straight ramp and hold, or a file"},
     {"pressure.peak", "pressure", "120 mmHg", "-300 mmHg .. 500 mmHg", "plateau of the built-in waveforms"},

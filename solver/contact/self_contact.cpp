@@ -573,8 +573,6 @@ void SelfContact::set_node_stiffness(std::span<const double> stiffness) {
   impl_->set_node_stiffness(stiffness);
 }
 
-std::span<const double> SelfContact::node_stiffness() const { return impl_->node_stiffness; }
-
 void SelfContact::update_candidates(std::span<const double> x) { impl_->update_candidates(x); }
 
 ContactResult SelfContact::evaluate(std::span<const double> x, std::span<const double> v, double dt, std::span<double> forces) {

@@ -72,9 +72,6 @@ class SelfContact {
   /// Central differences need alpha well below 1 (both passes act on a node): at most 0.5.
   void set_node_stiffness(std::span<const double> stiffness);
 
-  /// N/m, per surface node; a node with none does not push.
-  std::span<const double> node_stiffness() const;
-
   /// Renews the candidate pairs now. Results never depend on when this is called, only the time does.
   void update_candidates(std::span<const double> x);
 

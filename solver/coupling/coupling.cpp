@@ -115,7 +115,7 @@ int Coupling::bind(const CoupledNodes& nodes) {
 
 void Coupling::move(const CoupledNodes& nodes, const FaceField& velocity, double dt) {
   // Midpoint rule: a plain Euler step swells everything that turns, by (dt omega)^2 / 2 of its volume a step. The old velocity is good enough to find
-  // the midpoint (an error of dt^3) and saves an interpolation.
+  // the midpoint (an error of dt^3; relaxation and slip are in it as they were last) and saves an interpolation.
   midpoint_.assign(nodes.x.begin(), nodes.x.end());
   parallel_for(static_cast<std::ptrdiff_t>(midpoint_.size()), [&](std::ptrdiff_t a) {
     if (!nodes.is_fixed[static_cast<std::size_t>(a / 3)]) midpoint_[static_cast<std::size_t>(a)] += 0.5 * dt * nodes.v[static_cast<std::size_t>(a)];

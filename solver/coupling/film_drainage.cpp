@@ -19,6 +19,7 @@ constexpr double outside_cells = 1.5;
 constexpr int film_smoothing_passes = 4;
 // What an element out of balance can drive at most, in p_scale: three times the pressure is more than any fold needs.
 constexpr double largest_drive = 3.0;
+constexpr double largest_slip = 0.1;  // cells in a step
 }  // namespace
 
 double pressure_at(const FluidGrid& grid, const std::vector<double>& pressure, const Eigen::Vector3d& x) {
@@ -51,8 +52,19 @@ FilmDrainage::FilmDrainage(const ContactSurface& surface, const SelfContact& con
   normals_.resize(count);
   slip_.resize(count);
   smoothed_.resize(count);
-  hinge_fade_ = rest_distances_to(surface, is_fixed);
-  for (double& d : hinge_fade_) d = std::clamp((d / grid_.h - options_.hinge_free) / (options_.hinge_full - options_.hinge_free), 0.0, 1.0);
+  border_fade_ = rest_distances_to(surface, is_fixed);
+  for (double& d : border_fade_) d = std::clamp((d / grid_.h - options_.hinge_free) / (options_.hinge_full - options_.hinge_free), 0.0, 1.0);
+  if (const double thickness = contact.options().thickness; thickness > 0) {
+    std::vector<char> is_rim(static_cast<std::size_t>(surface.solid_nodes), 0);
+    for (std::size_t f = 0; f < surface.triangles.size(); ++f)
+      if (surface.triangle_side[f] == 0)
+        for (int n : surface.triangles[f]) {
+          const std::size_t node = static_cast<std::size_t>(surface.nodes[static_cast<std::size_t>(n)]);
+          is_rim[node] = !is_fixed[node];  // the rim at the annulus is the hinge
+        }
+    const std::vector<double> to_rim = rest_distances_to(surface, is_rim);
+    for (std::size_t n = 0; n < count; ++n) border_fade_[n] *= std::clamp(to_rim[n] / thickness, 0.0, 1.0);
+  }
   std::vector<std::vector<int>> around(count);
   for (std::size_t f = 0; f < surface.triangles.size(); ++f)
     if (surface.triangle_side[f] > 0)
@@ -178,9 +190,10 @@ void FilmDrainage::press(std::span<const double> x, std::span<const double> gaps
     double outside = pressure_at(grid_, pressure, here - behind * normals_[s]);
     if (searched < options_.reach_end * grid_.h) {
       outside = std::max(outside, pressure_at(grid_, pressure, here + 0.5 * std::max(gap, 0.0) * normals_[s]));
-      fade_[s] = hinge_fade_[s] * std::clamp((options_.reach_end - gap / grid_.h) / (options_.reach_end - options_.reach_full), 0.0, 1.0);
-      // Beside the facing leaflet's border there is no film, only blood.
-      if (searched < threshold) fade_[s] *= visibility[s];
+      fade_[s] = border_fade_[s] * std::clamp((options_.reach_end - gap / grid_.h) / (options_.reach_end - options_.reach_full), 0.0, 1.0);
+      // Beside the facing leaflet's border there is no film, only blood. Contact sees nothing beyond its range: there every face counts.
+      const double in_range = std::clamp(2.0 - 2.0 * gap / threshold, 0.0, 1.0);
+      fade_[s] *= 1.0 - in_range + in_range * visibility[s];
     }
     unbalanced_[s] = sum.dot(normals_[s]) / areas_[s] + std::clamp(outside, lowest, highest);
     film_[s] = unbalanced_[s] - contact_force[s].dot(normals_[s]) / areas_[s];
@@ -230,10 +243,12 @@ void FilmDrainage::slip(std::span<double> x, std::span<const double> gaps, doubl
   }
   parallel_for(reached, [&](std::ptrdiff_t n) {
     const std::size_t s = static_cast<std::size_t>(reached_[static_cast<std::size_t>(n)]);
-    slip_[s] *= hinge_fade_[s];  // again: smoothing carries slip into the hinge
+    slip_[s] *= border_fade_[s];  // again: smoothing carries slip there
     // Nothing is left to drain where the faces touch: smoothing must not push them through each other.
     const double gap = std::min(gaps[static_cast<std::size_t>(surface.nodes[s])], contact_gap[s]);
     if (slip_[s].dot(normals_[s]) > 0) slip_[s] *= std::clamp(gap / (touching_share * touching), 0.0, 1.0);
+    const double length = dt * slip_[s].norm();
+    if (length > largest_slip * grid_.h) slip_[s] *= largest_slip * grid_.h / length;
   });
   parallel_for(static_cast<std::ptrdiff_t>(leaflet_reached_.size()), [&](std::ptrdiff_t q) {
     const std::size_t i = static_cast<std::size_t>(leaflet_reached_[static_cast<std::size_t>(q)]);

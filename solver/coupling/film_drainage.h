@@ -8,12 +8,13 @@
 // drain within microseconds. The blood on the grid cannot push such leaflets together either, because there the film has the pressure that in truth
 // it has lost. Both are made good here, for nodes within reach of the facing leaflet:
 // - slip(): the leaflet slips through the blood, along its normal n towards the film, by what its forces F (N; tissue, chordae and contact, summed over a column
-//   through the leaflet) leave unbalanced of the pressure p_out behind it, the film's pressure being the atrium's, zero:
+//   through the leaflet) leave unbalanced of the pressure p_out, the larger of those behind the leaflet and halfway to the facing one, the film's own being the atrium's, zero:
 //     v = s(gap) h / (T p_scale) (p_out + F . n / A) ,
 //   h the fluid spacing, T the drainage time, A the area. It ends in equilibrium, whatever T: flat sheets come to rest when contact carries the
 //   pressure, a fold when its bending does; a leaflet that carries the pressure by its tension, as beside the belt, does not slip at all.
-// - press(): what of that pressure the leaflet's own forces do not carry, p_out + (F - F_contact) . n / A, is the film's on the grid. It acts on the face that
-//   contact presses, as a force that the blood does not feel, so that Coupling::relax() finds contact and film in balance instead of squeezing the leaflet.
+// - press(): what of that pressure the leaflet's own forces do not carry, p_out + (F - F_contact) . n / A, is what presses the leaflet towards the film. It acts on the face
+//   that contact presses, along +n, as a force that the blood does not feel, so that Coupling::relax() finds contact and film in balance instead of squeezing the leaflet.
+// Within a thickness of the free border it fades out: there the film opens into the ventricle and has its pressure.
 // The slip is smoothed over the face, so that it does not shear elements where the facing leaflet ends.
 // Forces on the blood stay those of the immersed boundary, so momentum is exact; the energy lost is the work of the nodal forces on the slip.
 
@@ -26,7 +27,7 @@
 namespace mv {
 
 struct FilmDrainageOptions {
-  double drainage_time = 2e-3;   // s, T: time in which a film as thick as a cell drains under p_scale
+  double drainage_time = 5e-3;   // s, T: time in which a film as thick as a cell drains under p_scale
   double pressure_scale = 16e3;  // Pa, p_scale
   double reach_full = 1.5;       // cells: full slip up to this gap ...
   double reach_end = 2.5;        // ... and none beyond this one
@@ -62,7 +63,7 @@ class FilmDrainage {
   FluidGrid grid_;
   FilmDrainageOptions options_;
   std::vector<int> surface_index_;   // per leaflet node: contact-surface index of its atrial-face node, -1 for fixed nodes
-  std::vector<double> hinge_fade_;   // per contact-surface node
+  std::vector<double> border_fade_;  // per contact-surface node: 0 at the hinge and at the free border
   std::vector<int> column_start_, column_;  // leaflet nodes of each contact-surface node's column
   std::vector<Eigen::Vector3d> normals_;
   std::vector<double> areas_, fade_;        // m2; s(gap); per contact-surface node

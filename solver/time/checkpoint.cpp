@@ -10,7 +10,7 @@ namespace mv {
 namespace {
 
 // Increase when a field is added to State or Checkpoint.
-constexpr const char* magic = "mvsolve checkpoint 1\n";
+constexpr const char* magic = "mvsolve checkpoint 2\n";
 constexpr std::size_t checksum_length = 64;
 
 class Writer {
@@ -51,12 +51,14 @@ class Reader {
     sequence(values);
   }
 
+  bool is_at_end() const { return at_ == end_; }
+
  private:
   template <class S>
   void sequence(S& s) {
     std::uint64_t size = 0;
     (*this)(size);
-    if (size * sizeof(*s.data()) > end_ - at_) throw InputError(name_ + ": is damaged (a field is longer than the file)");
+    if (size > (end_ - at_) / sizeof(*s.data())) throw InputError(name_ + ": is damaged (a field is longer than the file)");
     s.resize(size);
     take(reinterpret_cast<char*>(s.data()), size * sizeof(*s.data()));
   }
@@ -88,7 +90,7 @@ void archive(Archive& a, Checkpoint& c) {
   archive_state(a, c.state);
   a(c.has_snapshot);
   if (c.has_snapshot) archive_state(a, c.snapshot);
-  a(c.next_series), a(c.next_frame), a(c.next_fluid), a(c.next_checkpoint), a(c.leak_volume_before), a(c.leak_time_before), a(c.leak_samples), a(c.peak_velocity), a(c.volume_drift_max), a(c.wall_seconds), a(c.case_hash);
+  a(c.next_series), a(c.next_frame), a(c.next_fluid), a(c.next_checkpoint), a(c.leak_volume_before), a(c.leak_time_before), a(c.leak_samples), a(c.peak_velocity), a(c.volume_drift_max), a(c.limiter), a(c.wall_seconds), a(c.case_hash);
 }
 
 }  // namespace
@@ -115,6 +117,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& file) {
   Checkpoint checkpoint;
   Reader reader(bytes, start, end, file.string());
   archive(reader, checkpoint);
+  if (!reader.is_at_end()) throw InputError(file.string() + ": is damaged (longer than its fields); run without --resume");
   return checkpoint;
 }
 

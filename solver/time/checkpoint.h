@@ -19,6 +19,7 @@ struct Checkpoint {
   double leak_volume_before = 0, leak_time_before = 0;
   std::vector<std::pair<double, double>> leak_samples;  // time (s), net volume passed (m3)
   double peak_velocity = 0, volume_drift_max = 0;       // of the run so far
+  std::string limiter = "start";  // of the last step that was not shortened for output
   double wall_seconds = 0;
   std::string case_hash;   // of the case and its settings; a different one cannot be resumed
 };

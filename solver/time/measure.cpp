@@ -11,6 +11,8 @@ namespace {
 constexpr double pascal_per_mmHg = 133.322387415;
 // Facing leaflets are looked for up to this many fluid spacings (or, without blood, leaflet thicknesses) away.
 constexpr double search_spacings = 4.0;
+// Nearer than this to the annulus leaflets fold over their clamped hinge.
+constexpr double hinge_thicknesses = 2.0;
 
 }  // namespace
 
@@ -31,8 +33,9 @@ ContactMeasure measure_contact(Simulation& simulation, const State& state, bool 
   const ContactSurface& surface = structure.surface();
   const std::span<const double> x(state.x.data(), 3 * points);
   const NavierStokes* fluid = simulation.fluid();
-  const double reach = search_spacings * (fluid ? fluid->grid().h : 1e-3 * simulation.scene().config.number_in("mesh.thickness", "mm"));
-  const bool has_recent = is_quick && state.film_gaps.size() == points;
+  const double reach = std::max(m.threshold, search_spacings * (fluid ? fluid->grid().h : 1e-3 * simulation.scene().config.number_in("mesh.thickness", "mm")));
+  // The film's search ends at two and a half cells.
+  const bool has_recent = is_quick && state.film_gaps.size() == points && fluid && m.threshold <= 2.0 * fluid->grid().h;
   ClosestGaps gaps;
   if (!has_recent) contact->closest_gaps(x, reach, true, gaps);
   std::vector<double> area(static_cast<std::size_t>(surface.node_count()));
@@ -44,7 +47,7 @@ ContactMeasure measure_contact(Simulation& simulation, const State& state, bool 
   for (int s = 0; s < surface.node_count(); ++s) {
     const std::size_t n = static_cast<std::size_t>(s);
     // The fold at the clamped hinge is no coaptation.
-    const bool is_at_hinge = contact->node_stiffness()[n] < 0.999 * contact->options().stiffness * surface.reference_area[n];
+    const bool is_at_hinge = structure.hinge_distances()[n] < hinge_thicknesses * contact->options().thickness;
     if (!surface.on_atrial_face[n] || is_at_hinge) continue;
     const std::size_t node = static_cast<std::size_t>(surface.nodes[n]);
     // Deeper than the limit the other face is seen from behind.

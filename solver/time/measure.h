@@ -15,7 +15,7 @@ namespace mv {
 /// p(mid) by the part -q(mid) of themselves that the kernel resolves. Where sheets are curved or end within a kernel's width p - q falls short, but a film
 /// cannot be below the atrium's pressure: the penalty is the lower bound, and the film is what the traction has above it (DESIGN, section 5).
 struct ContactMeasure {
-  std::vector<double> gap;              // m to the facing leaflet, NaN where nothing faces the point within the search distance
+  std::vector<double> gap;              // m to the facing leaflet, NaN where nothing faces the point within the search distance, and at the hinge, whose fold is no coaptation
   std::vector<double> penalty;          // Pa
   std::vector<double> film;             // Pa, traction less penalty; with blood and in contact only
   std::vector<double> traction;         // Pa; without blood the penalty

@@ -199,6 +199,8 @@ RunEnd run_case(const RunOptions& options) {
     progress = read_checkpoint(checkpoint_file);
     if (progress.case_hash != case_hash)
       throw InputError(fmt::format("{}: belongs to another case or other settings; run without --resume, or with the settings of the first run", checkpoint_file.string()));
+    if (progress.state.time > config.number("time.end") + 1e-12)
+      throw InputError(fmt::format("{}: is at {:.6f} s, beyond time.end; run without --resume, or with a later time.end", checkpoint_file.string(), progress.state.time));
     state = progress.state;
     if (progress.has_snapshot) simulation.restore_snapshot(progress.snapshot);
     spdlog::info("resuming at {:.6f} s, step {}", state.time, state.step);
@@ -208,10 +210,8 @@ RunEnd run_case(const RunOptions& options) {
   std::error_code code;
   std::filesystem::create_directories(options.results / "case", code);
   if (code) throw IoError(fmt::format("{}: cannot be created: {}", options.results.string(), code.message()));
-  if (!options.is_resumed) {
-    for (const char* stale : {"summary.json", "report.html", "contact_map.vtp"}) std::filesystem::remove(options.results / stale, code);
-    std::filesystem::remove_all(options.results / "checkpoint", code);
-  }
+  for (const char* stale : {"summary.json", "report.html", "contact_map.vtp"}) std::filesystem::remove(options.results / stale, code);
+  if (!options.is_resumed) std::filesystem::remove_all(options.results / "checkpoint", code);
   copy_case_files(scene, options.results);
   write_run_json(options, scene, case_hash);
   Recorder recorder(simulation, options.results, options.is_resumed ? state.time : -1.0);
@@ -229,7 +229,7 @@ RunEnd run_case(const RunOptions& options) {
   auto wall = [&] { return wall_before + std::chrono::duration<double>(Clock::now() - start).count(); };
   auto last_line = start;
   const double time_at_start = state.time;
-  std::string limiter = "start", reason;
+  std::string limiter = progress.limiter, reason;
   double leak_time = progress.leak_time_before, leak_volume = progress.leak_volume_before;
 
   auto save = [&] {
@@ -241,6 +241,7 @@ RunEnd run_case(const RunOptions& options) {
     progress.leak_samples = leak.samples();
     progress.peak_velocity = recorder.peak_velocity;
     progress.volume_drift_max = recorder.volume_drift_max;
+    progress.limiter = limiter;
     progress.wall_seconds = wall();
     progress.case_hash = case_hash;
     write_checkpoint(checkpoint_file, progress);

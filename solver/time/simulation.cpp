@@ -102,6 +102,8 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
   const Config& config = scene_.config;
   const auto start = Clock::now();
   if (state.step % estimate_every == 0) {
+    // The tangent of contact belongs to these positions, also after a resume or a rollback.
+    if (structure_->contact()) refresh(state);
     if (coupling_) coupling_->bind({state.x, state.v, structure_->is_fixed()});
     stable_step_->update(state, *structure_, coupling_ ? &*coupling_ : nullptr, fluid_ ? &*fluid_ : nullptr, estimate_products);
     if (coupling_ && scene_.config.flag("coupling.relaxation")) update_relaxation(state);

@@ -16,7 +16,7 @@ struct EnergyLedger {
   double advection_loss = 0;     // numerical, of the advection scheme
   double friction_loss = 0;
   double damping_loss = 0;       // structural damping
-  double coupling_loss = 0;      // taken out where the annulus holds the blood at rest and where films drain
+  double coupling_loss = 0;      // taken out where the annulus holds the blood at rest, where films drain and where distortion relaxes
 };
 
 /// Every unknown of a run and everything that later steps depend on. Copying it is rollback; writing it is the checkpoint.

@@ -2,11 +2,11 @@
 #include "solver/time/structure.h"
 
 #include <chrono>
-#include <cmath>
 #include <numeric>
 
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
+#include "solver/contact/leaflet_contact.h"
 #include "solver/output/contact_map.h"
 
 namespace mv {
@@ -16,12 +16,6 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 constexpr double metres_per_mm = 1e-3;
-// The penalty carries the largest pressure of the run at an overlap of this share of its range.
-constexpr double penetration_share = 0.8;
-// Faces at gap 0 carry about eleven times the largest pressure of the run: what leaflets bear where they fold on each other.
-constexpr double contact_hardening = 20;
-// Averaging radius of the gap over the facet's edge: wide enough that borders which cross at an angle see each other between their nodes.
-constexpr double averaging_ratio = 0.6;
 // Range of the penalty over the fluid spacing, unless set.
 constexpr double range_share = 0.5;
 
@@ -69,7 +63,9 @@ Structure::Structure(const Scene& scene, double largest_pressure) : has_fluid_(s
 
   SolidMesh solid = to_solid_mesh(mesh);
   for (std::size_t i = 0; i < mesh.points.size(); ++i) Vec3::Map(solid.points.data() + 3 * i) = to_solver(mesh.points[i]);
-  for (std::size_t e = 0; e < mesh.tets.size(); ++e) Vec3::Map(solid.fibres.data() + 3 * e) = scene.tube.axes * mesh.fibre[e];
+  // Without fibres the laws' fibre terms are off (material_of) and the direction is any.
+  const bool has_fibres = config.text("fibers.model") != "none";
+  for (std::size_t e = 0; e < mesh.tets.size(); ++e) Vec3::Map(solid.fibres.data() + 3 * e) = has_fibres ? Vec3(scene.tube.axes * mesh.fibre[e]) : Vec3::UnitX();
   rest_ = solid.points;
   for (const char* leaflet : {"anterior", "posterior"})
     for (const std::string& warning : warnings(material_of(config, leaflet))) spdlog::warn("leaflet.{}: {}", leaflet, warning);
@@ -102,22 +98,14 @@ Structure::Structure(const Scene& scene, double largest_pressure) : has_fluid_(s
     const std::span<const double> leaflet_rest(rest_.data(), 3 * mesh.points.size());
     surface_ = extract_contact_surface(leaflet_rest, mesh.tets, mesh.order, mesh.side,
                                        config.text("contact.faces") == "inner" ? ContactFaces::inner : ContactFaces::both);
-    ContactOptions options;
     const double spacing = config.number("tube.spacing");
-    options.threshold = config.is_auto("contact.range") ? range_share * spacing : config.number("contact.range");
-    threshold_ = config.is_auto("contact.threshold") ? std::max(options.threshold, has_fluid_ ? spacing : 0.0) : config.number("contact.threshold");
-    options.averaging_ratio = averaging_ratio;
-    options.hardening = contact_hardening;
-    options.stiffness = config.number("contact.stiffness") * largest_pressure / (penetration_share * (1 + contact_hardening * std::pow(penetration_share, 12)) * options.threshold);
+    const double range = config.is_auto("contact.range") ? range_share * spacing : config.number("contact.range");
+    threshold_ = config.is_auto("contact.threshold") ? std::max(range, has_fluid_ ? spacing : 0.0) : config.number("contact.threshold");
+    ContactOptions options = leaflet_contact_options(range, config.number("mesh.thickness"), largest_pressure, config.number("contact.stiffness"));
     options.friction = config.number("contact.friction");
-    options.thickness = config.number("mesh.thickness");
     options.search_every = static_cast<int>(config.integer("contact.search_every"));
     contact_ = std::make_unique<SelfContact>(surface_, options);
-    // The hinge is clamped: what folds there within a thickness of the annulus cannot give way, and no closure depends on it.
-    std::vector<double> stiffness = rest_distances_to(surface_, is_fixed_);
-    for (std::size_t s = 0; s < stiffness.size(); ++s)
-      stiffness[s] = options.stiffness * surface_.reference_area[s] * std::clamp(stiffness[s] / options.thickness - 1.0, 0.0, 1.0);
-    contact_->set_node_stiffness(stiffness);
+    hinge_distances_ = rest_distances_to(surface_, is_fixed_);
   }
 }
 

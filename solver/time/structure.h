@@ -49,6 +49,7 @@ class Structure {
   SelfContact* contact() { return contact_.get(); }
   const SelfContact* contact() const { return contact_.get(); }
   const ContactSurface& surface() const { return surface_; }
+  const std::vector<double>& hinge_distances() const { return hinge_distances_; }  // m at rest, per surface node, to the annulus
   const ContactResult& contact_result() const { return contact_result_; }
   double contact_threshold() const { return threshold_; }   // m, gap below which faces count as touching
   const std::vector<std::array<int, 3>>& ventricular_faces() const { return ventricular_faces_; }
@@ -63,6 +64,7 @@ class Structure {
   std::optional<LeafletSolid> solid_;
   std::optional<ChordaeTension> chordae_;
   ContactSurface surface_;
+  std::vector<double> hinge_distances_;
   std::unique_ptr<SelfContact> contact_;
   ContactResult contact_result_;
   double threshold_ = 0, reference_volume_ = 0;

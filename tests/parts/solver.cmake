@@ -10,3 +10,7 @@ endif()
 add_test(NAME system_solver_only_build
          COMMAND bash ${CMAKE_CURRENT_LIST_DIR}/../system/solver_only_build.sh ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/solver_only)
 set_tests_properties(system_solver_only_build PROPERTIES LABELS system TIMEOUT 1200 PROCESSORS 2)
+if(TARGET mvsolve AND TARGET mvprep)
+  mv_add_test(regression_closure SOURCES regression/coarse_closure_test.cpp LIBRARIES mv_core nlohmann_json::nlohmann_json LABEL regression)
+  add_dependencies(regression_closure mvsolve mvprep)
+endif()

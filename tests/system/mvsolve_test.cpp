@@ -99,7 +99,8 @@ TEST(Mvsolve, writes_all_results_of_the_contract) {
 }
 
 TEST(Mvsolve, resume_after_an_interrupt_equals_the_uninterrupted_run_to_the_last_digit) {
-  const std::vector<std::string> settings{"--set", "time.end=12 ms"};
+  // Long and hard enough that leaflets touch: contact, friction and the film's drainage are part of what is resumed.
+  const std::vector<std::string> settings{"--set", "time.end=60 ms", "--set", "pressure.rise_time=10 ms"};
   auto arguments = [&](const fs::path& results, bool resume) {
     std::vector<std::string> a{"run", coarse_case().string(), "-o", results.string(), "--threads", "2"};
     a.insert(a.end(), settings.begin(), settings.end());
@@ -107,20 +108,22 @@ TEST(Mvsolve, resume_after_an_interrupt_equals_the_uninterrupted_run_to_the_last
     return a;
   };
   const fs::path whole = scratch() / "whole", parts = scratch() / "parts";
-  ASSERT_EQ(run("mvsolve", arguments(whole, false)).code, 0);
+  const Outcome uninterrupted = run("mvsolve", arguments(whole, false));
+  ASSERT_TRUE(uninterrupted.code == 0 || uninterrupted.code == 6) << uninterrupted.err;  // so coarse a valve may leave crossing faces
   const pid_t child = start("mvsolve", arguments(parts, false), RLIM_INFINITY);
-  // Interrupt as soon as the run is under way.
-  for (int wait = 0; wait < 2000 && !fs::exists(parts / "checkpoint" / "state.bin"); ++wait) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  // Interrupt in contact.
+  for (int wait = 0; wait < 20000 && !fs::exists(parts / "frames" / "leaflets_0022.vtu"); ++wait) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   kill(child, SIGINT);
   const Outcome interrupted = finish(child);
   ASSERT_EQ(interrupted.code, 130) << interrupted.err;
   EXPECT_NE(interrupted.err.find("--resume"), std::string::npos);
   EXPECT_FALSE(fs::exists(parts / "summary.json"));
   const Outcome resumed = run("mvsolve", arguments(parts, true));
-  ASSERT_EQ(resumed.code, 0) << resumed.err;
-  for (const char* file : {"series.csv", "chordae.csv", "contact_map.vtp", "frames/leaflets_0006.vtu", "frames/fluid_0006.vti", "leaflets.pvd"})
+  ASSERT_EQ(resumed.code, uninterrupted.code) << resumed.err;
+  for (const char* file : {"series.csv", "chordae.csv", "contact_map.vtp", "frames/leaflets_0030.vtu", "frames/fluid_0030.vti", "leaflets.pvd"})
     EXPECT_EQ(mv::read_file(whole / file), mv::read_file(parts / file)) << file;
   EXPECT_EQ(summary(whole)["flow"], summary(parts)["flow"]);
+  EXPECT_GT(summary(whole)["contact"]["force_penalty_N"].get<double>(), 0.0);
   // Other settings cannot be resumed.
   auto other = arguments(parts, true);
   other.insert(other.end(), {"--set", "contact.friction=0"});
@@ -128,8 +131,11 @@ TEST(Mvsolve, resume_after_an_interrupt_equals_the_uninterrupted_run_to_the_last
 }
 
 TEST(Mvsolve, results_do_not_depend_on_the_thread_count) {
-  for (const char* threads : {"1", "2"})
-    ASSERT_EQ(run("mvsolve", {"run", coarse_case().string(), "-o", (scratch() / ("t" + std::string(threads))).string(), "--threads", threads}).code, 0);
+  for (const char* threads : {"1", "2"}) {
+    const Outcome o = run("mvsolve", {"run", coarse_case().string(), "-o", (scratch() / ("t" + std::string(threads))).string(), "--threads", threads, "--set", "time.end=50 ms",
+                                      "--set", "pressure.rise_time=10 ms"});
+    ASSERT_TRUE(o.code == 0 || o.code == 6) << o.err;
+  }
   EXPECT_EQ(mv::read_file(scratch() / "t1" / "series.csv"), mv::read_file(scratch() / "t2" / "series.csv"));
 }
 

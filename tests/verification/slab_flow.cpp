@@ -64,7 +64,7 @@ SlabFlow::SlabFlow(const SlabSetup& setup, const SlabTissue& tissue, const std::
 
 void SlabFlow::set_contact(const ContactOptions& options, const std::optional<FilmDrainageOptions>& drainage) {
   surface_ = facing_surface(tissue_);
-  contact_ = make_contact(surface_, options, tissue_.is_held);
+  contact_ = make_contact(surface_, options);
   if (drainage)
     drainage_.emplace(surface_, *contact_, tissue_.mesh.points, tissue_.is_held, setup_.grid, *drainage);
 }

@@ -88,14 +88,8 @@ ContactSurface facing_surface(const SlabTissue& tissue) {
   return extract_contact_surface(tissue.mesh.points, tets, 1, tissue.side, ContactFaces::inner);
 }
 
-std::unique_ptr<SelfContact> make_contact(const ContactSurface& surface, const ContactOptions& options,
-                                          std::span<const char> is_held) {
-  auto contact = std::make_unique<SelfContact>(surface, options);
-  std::vector<double> stiffness = rest_distances_to(surface, is_held);
-  for (std::size_t s = 0; s < stiffness.size(); ++s)
-    stiffness[s] = options.stiffness * surface.reference_area[s] * std::clamp(stiffness[s] / options.thickness - 1.0, 0.0, 1.0);
-  contact->set_node_stiffness(stiffness);
-  return contact;
+std::unique_ptr<SelfContact> make_contact(const ContactSurface& surface, const ContactOptions& options) {
+  return std::make_unique<SelfContact>(surface, options);
 }
 
 std::vector<double> block_points(Range x, Range z, double spacing, double depth, int columns) {

@@ -6,6 +6,8 @@
 
 #include "geometry/core/case.h"
 
+#include "solver/contact/leaflet_contact.h"
+
 namespace mv::test {
 namespace {
 
@@ -143,15 +145,8 @@ TwoSheets make_two_sheets(const TwoSheetsSpec& spec) {
 }
 
 ContactOptions sheet_contact(const TwoSheetsSpec& spec) {
-  // The constants of the same names in solver/time/structure.cpp.
-  constexpr double penetration_share = 0.8, contact_hardening = 20, averaging_ratio = 0.6, threshold_share = 0.5;
-  ContactOptions o;
-  o.threshold = threshold_share * spec.h;
-  o.averaging_ratio = averaging_ratio;
-  o.hardening = contact_hardening;
-  o.stiffness = spec.pressure / (penetration_share * (1 + contact_hardening * std::pow(penetration_share, 12)) * o.threshold);
-  o.thickness = spec.thickness;
-  return o;
+  constexpr double range_share = 0.5;  // as in solver/time/structure.cpp
+  return leaflet_contact_options(range_share * spec.h, spec.thickness, spec.pressure);
 }
 
 Material sheet_material() {
