@@ -53,9 +53,9 @@ struct Sight {
 struct Penalty {
   double energy, force, tangent;
 };
-Penalty penalty_of(const ContactOptions& o, double overlap) {
-  const double beyond = std::max(overlap - o.threshold, 0.0), within = overlap - beyond;
-  const double s = within / o.threshold, s2 = s * s, s6 = s2 * s2 * s2, s12 = o.hardening * s6 * s6;
+Penalty penalty_of(const ContactOptions& o, double threshold, double overlap) {
+  const double beyond = std::max(overlap - threshold, 0.0), within = overlap - beyond;
+  const double s = within / threshold, s2 = s * s, s6 = s2 * s2 * s2, s12 = o.hardening * s6 * s6;
   Penalty p{within * within * (0.5 + s12 / 14), within * (1 + s12), 1 + 13 * s12};
   p.energy += beyond * (p.force + 0.5 * p.tangent * beyond);
   p.force += p.tangent * beyond;
@@ -82,6 +82,7 @@ ContactOptions resolve(const ContactSurface& s, ContactOptions o) {
   const auto refuse = [](const std::string& what) { throw InputError("contact: " + what); };
   if (!(o.threshold > 0)) refuse("threshold must be positive");
   if (!(o.stiffness >= 0)) refuse("stiffness must not be negative");
+  if (!(o.border_offset >= 0)) refuse("border_offset must not be negative");
   if (!(o.hardening >= 0)) refuse("hardening must not be negative");
   if (!(o.friction >= 0)) refuse("friction must not be negative");
   if (!(o.tangential_ratio > 0)) refuse("tangential_ratio must be positive");
@@ -110,6 +111,7 @@ struct SelfContact::Impl {
   double reach;                          // m, largest distance to a triangle that can matter
   std::vector<double> node_stiffness;    // N/m
   std::vector<double> averaging_radius;  // R_f per triangle, m
+  std::vector<double> threshold_of;      // m, per surface node
   std::vector<int> ring_corner;          // which corner of ring[r] the node is
 
   // Candidates: refreshed by a search.
@@ -153,9 +155,13 @@ struct SelfContact::Impl {
     }
     const double radius_max = *std::max_element(averaging_radius.begin(), averaging_radius.end());
     sheet_separation = 0.5 * s.mean_edge;
-    p_max = std::max(options.threshold + sheet_separation, options.penetration_limit);
+    p_max = std::max(options.threshold + options.border_offset + sheet_separation, options.penetration_limit);
     reach = std::sqrt((1 + lateral_growth * lateral_growth) * p_max * p_max + radius_max * radius_max);
     ring_corner.resize(s.ring.size());
+    threshold_of.assign(nodes, options.threshold);
+    for (std::size_t f = 0; f < triangles; ++f)
+      if (s.triangle_side[f] == 0)
+        for (int n : s.triangles[f]) threshold_of[n] = options.threshold + options.border_offset;
     for (std::size_t n = 0; n < nodes; ++n) {
       for (int r = s.ring_start[n]; r < s.ring_start[n + 1]; ++r) {
         const auto& t = s.triangles[s.ring[r]];
@@ -306,7 +312,7 @@ struct SelfContact::Impl {
   /// Triangles that face the node within reach, with their weights; returns W.
   double look(std::span<const double> positions, const Vec3& x, const Vec3& n, int node, std::vector<Sight>& seen) const {
     seen.clear();
-    double nearest = options.threshold;
+    double nearest = threshold_of[node];
     int pair = search.first_pair(node) - 1;
     for (int f : search.triangles_of(node)) {
       ++pair;
@@ -401,19 +407,20 @@ struct SelfContact::Impl {
       }
       g /= total;
     }
-    if (is_active[node] && !(g < options.threshold)) clear_outputs(node);
+    const double threshold = threshold_of[node];
+    if (is_active[node] && !(g < threshold)) clear_outputs(node);
     gap[node] = g;
     visibility[node] = smooth_step(total / full_weight);
     partner[node] = nearest;
-    if (!(g < options.threshold)) {
+    if (!(g < threshold)) {
       if (options.friction > 0 && !slip[node].isZero(0)) result.dissipation = release(node);
       return result;
     }
     const double half_stiffness = 0.5 * node_stiffness[node];
-    const double overlap = options.threshold - g;
+    const double overlap = threshold - g;
     const double fade = smooth_step(total / full_weight);
     const double fade_slope = contact::smooth_step_slope(total / full_weight) / full_weight;
-    const Penalty penalty = penalty_of(options, overlap);
+    const Penalty penalty = penalty_of(options, threshold, overlap);
     const double force = half_stiffness * fade * penalty.force;  // this pass
     const double force_of_total = half_stiffness * fade_slope * penalty.energy;
 
@@ -624,7 +631,7 @@ void SelfContact::import_history(std::span<const double> slip) {
 double SelfContact::tangent_stiffness(int node) const {
   const std::size_t n = static_cast<std::size_t>(node);
   if (!(impl_->normal_force[n] > 0)) return 0.0;
-  return impl_->node_stiffness[n] * penalty_of(impl_->options, impl_->options.threshold - impl_->gap[n]).tangent;
+  return impl_->node_stiffness[n] * penalty_of(impl_->options, impl_->threshold_of[n], impl_->threshold_of[n] - impl_->gap[n]).tangent;
 }
 
 const ContactOptions& SelfContact::options() const { return impl_->options; }

@@ -30,11 +30,13 @@ namespace mv {
 /// result.
 struct ContactOptions {
   double threshold = 0.2e-3;      // m, a node pushes when its gap is smaller
+  // Nodes on a rim use threshold + border_offset wherever a formula says threshold.
   double stiffness = 1e9;         // Pa/m, pressure per unit of (threshold - gap)
   double hardening = 0;           // 0: linear; else faces at gap 0 carry 1 + hardening times what the linear law gives
   double friction = 0.2;          // Coulomb coefficient; 0 leaves friction out (no cost)
   double tangential_ratio = 0.5;  // tangential over normal stiffness of the elastic slip
   double thickness = 1e-3;        // m, leaflet thickness; sets the defaults below (0 for open surfaces without a back side)
+  double border_offset = 0;       // m, nodes of a rim push from this much further away: sharp borders, which cut faces between nodes
   double penetration_limit =
       0;  // m, deeper than this a triangle is taken as seen from behind; auto: half the thickness (or mean edge)
   double exclusion_radius = 0;    // m, reference distance along the solid within which node and triangle of the same face never

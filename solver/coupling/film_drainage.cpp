@@ -52,8 +52,9 @@ FilmDrainage::FilmDrainage(const ContactSurface& surface, const SelfContact& con
   normals_.resize(count);
   slip_.resize(count);
   smoothed_.resize(count);
-  border_fade_ = rest_distances_to(surface, is_fixed);
-  for (double& d : border_fade_) d = std::clamp((d / grid_.h - options_.hinge_free) / (options_.hinge_full - options_.hinge_free), 0.0, 1.0);
+  hinge_fade_ = rest_distances_to(surface, is_fixed);
+  for (double& d : hinge_fade_) d = std::clamp((d / grid_.h - options_.hinge_free) / (options_.hinge_full - options_.hinge_free), 0.0, 1.0);
+  border_fade_.assign(count, 1.0);
   if (const double thickness = contact.options().thickness; thickness > 0) {
     std::vector<char> is_rim(static_cast<std::size_t>(surface.solid_nodes), 0);
     for (std::size_t f = 0; f < surface.triangles.size(); ++f)
@@ -62,8 +63,8 @@ FilmDrainage::FilmDrainage(const ContactSurface& surface, const SelfContact& con
           const std::size_t node = static_cast<std::size_t>(surface.nodes[static_cast<std::size_t>(n)]);
           is_rim[node] = !is_fixed[node];  // the rim at the annulus is the hinge
         }
-    const std::vector<double> to_rim = rest_distances_to(surface, is_rim);
-    for (std::size_t n = 0; n < count; ++n) border_fade_[n] *= std::clamp(to_rim[n] / thickness, 0.0, 1.0);
+    border_fade_ = rest_distances_to(surface, is_rim);
+    for (double& d : border_fade_) d = std::clamp(d / thickness, 0.0, 1.0);
   }
   std::vector<std::vector<int>> around(count);
   for (std::size_t f = 0; f < surface.triangles.size(); ++f)
@@ -190,7 +191,7 @@ void FilmDrainage::press(std::span<const double> x, std::span<const double> gaps
     double outside = pressure_at(grid_, pressure, here - behind * normals_[s]);
     if (searched < options_.reach_end * grid_.h) {
       outside = std::max(outside, pressure_at(grid_, pressure, here + 0.5 * std::max(gap, 0.0) * normals_[s]));
-      fade_[s] = border_fade_[s] * std::clamp((options_.reach_end - gap / grid_.h) / (options_.reach_end - options_.reach_full), 0.0, 1.0);
+      fade_[s] = hinge_fade_[s] * std::clamp((options_.reach_end - gap / grid_.h) / (options_.reach_end - options_.reach_full), 0.0, 1.0);
       // Beside the facing leaflet's border there is no film, only blood. Contact sees nothing beyond its range: there every face counts.
       const double in_range = std::clamp(2.0 - 2.0 * gap / threshold, 0.0, 1.0);
       fade_[s] *= 1.0 - in_range + in_range * visibility[s];
@@ -215,7 +216,7 @@ void FilmDrainage::press(std::span<const double> x, std::span<const double> gaps
   parallel_for(reached, [&](std::ptrdiff_t n) {
     const std::size_t s = static_cast<std::size_t>(reached_[static_cast<std::size_t>(n)]);
     if (!(fade_[s] > 0)) return;
-    Eigen::Vector3d::Map(unseen.data() + 3 * surface.nodes[s]) += fade_[s] * std::clamp(film_[s], lowest, highest) * areas_[s] * normals_[s];
+    Eigen::Vector3d::Map(unseen.data() + 3 * surface.nodes[s]) += border_fade_[s] * fade_[s] * std::clamp(film_[s], lowest, highest) * areas_[s] * normals_[s];
   });
 }
 
@@ -229,7 +230,7 @@ void FilmDrainage::slip(std::span<double> x, std::span<const double> gaps, doubl
   parallel_for(reached, [&](std::ptrdiff_t n) {
     const std::size_t s = static_cast<std::size_t>(reached_[static_cast<std::size_t>(n)]);
     const double drive = std::clamp(unbalanced_[s], -largest_drive * options_.pressure_scale, largest_drive * options_.pressure_scale);
-    slip_[s] = mobility * fade_[s] * drive * normals_[s];
+    slip_[s] = mobility * fade_[s] * (drive > 0 ? border_fade_[s] * drive : drive) * normals_[s];
   });
   for (int pass = 0; pass < options_.smoothing_passes; ++pass) {
     parallel_for(reached, [&](std::ptrdiff_t n) {
@@ -243,10 +244,10 @@ void FilmDrainage::slip(std::span<double> x, std::span<const double> gaps, doubl
   }
   parallel_for(reached, [&](std::ptrdiff_t n) {
     const std::size_t s = static_cast<std::size_t>(reached_[static_cast<std::size_t>(n)]);
-    slip_[s] *= border_fade_[s];  // again: smoothing carries slip there
+    slip_[s] *= hinge_fade_[s];  // again: smoothing carries slip into the hinge
     // Nothing is left to drain where the faces touch: smoothing must not push them through each other.
     const double gap = std::min(gaps[static_cast<std::size_t>(surface.nodes[s])], contact_gap[s]);
-    if (slip_[s].dot(normals_[s]) > 0) slip_[s] *= std::clamp(gap / (touching_share * touching), 0.0, 1.0);
+    if (slip_[s].dot(normals_[s]) > 0) slip_[s] *= border_fade_[s] * std::clamp(gap / (touching_share * touching), 0.0, 1.0);
     const double length = dt * slip_[s].norm();
     if (length > largest_slip * grid_.h) slip_[s] *= largest_slip * grid_.h / length;
   });

@@ -14,7 +14,7 @@
 //   pressure, a fold when its bending does; a leaflet that carries the pressure by its tension, as beside the belt, does not slip at all.
 // - press(): what of that pressure the leaflet's own forces do not carry, p_out + (F - F_contact) . n / A, is what presses the leaflet towards the film. It acts on the face
 //   that contact presses, along +n, as a force that the blood does not feel, so that Coupling::relax() finds contact and film in balance instead of squeezing the leaflet.
-// Within a thickness of the free border it fades out: there the film opens into the ventricle and has its pressure.
+// Within a thickness of the free border nothing is pressed together, only apart: there the film opens into the ventricle and has its pressure.
 // The slip is smoothed over the face, so that it does not shear elements where the facing leaflet ends.
 // Forces on the blood stay those of the immersed boundary, so momentum is exact; the energy lost is the work of the nodal forces on the slip.
 
@@ -63,7 +63,7 @@ class FilmDrainage {
   FluidGrid grid_;
   FilmDrainageOptions options_;
   std::vector<int> surface_index_;   // per leaflet node: contact-surface index of its atrial-face node, -1 for fixed nodes
-  std::vector<double> border_fade_;  // per contact-surface node: 0 at the hinge and at the free border
+  std::vector<double> hinge_fade_, border_fade_;  // per contact-surface node: 0 at the hinge, at the free border
   std::vector<int> column_start_, column_;  // leaflet nodes of each contact-surface node's column
   std::vector<Eigen::Vector3d> normals_;
   std::vector<double> areas_, fade_;        // m2; s(gap); per contact-surface node

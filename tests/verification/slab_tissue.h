@@ -64,9 +64,8 @@ struct SlabTissue {
 /// Atrial faces only: the rims at the slab's border are no surface.
 ContactSurface facing_surface(const SlabTissue& tissue);
 
-/// Contact with the options of a case; near held nodes it is left out as in Structure (solver/time/structure.cpp).
-std::unique_ptr<SelfContact> make_contact(const ContactSurface& surface, const ContactOptions& options,
-                                          std::span<const char> is_held);
+/// Contact with the options of a case.
+std::unique_ptr<SelfContact> make_contact(const ContactSurface& surface, const ContactOptions& options);
 
 /// Points (xyz) that fill a rectangle of the slab with at most `spacing` between neighbours, corners included; nodes for
 /// Coupling::hold.

@@ -181,7 +181,7 @@ BeltMeans press_dry(const TwoSheetsSpec& spec, double dt, double end) {
   const TwoSheets m = make_two_sheets(spec);
   LeafletSolid solid(m.tissue.mesh, {sheet_material()});
   const ContactSurface surface = facing_surface(m.tissue);
-  const std::unique_ptr<SelfContact> contact = make_contact(surface, sheet_contact(spec), m.tissue.is_held);
+  const std::unique_ptr<SelfContact> contact = make_contact(surface, sheet_contact(spec));
   std::vector<double> x = m.tissue.mesh.points, v(x.size(), 0.0), forces(x.size()), masses(x.size());
   for (std::size_t a = 0; a < x.size(); ++a) masses[a] = solid.node_masses()[a / 3];
   m.tissue.gather_copies(masses);
