@@ -12,7 +12,7 @@ constexpr double pascal_per_mmHg = 133.322387415;
 // Facing leaflets are looked for up to this many fluid spacings (or, without blood, leaflet thicknesses) away.
 constexpr double search_spacings = 4.0;
 // Nearer than this to the annulus leaflets fold over their clamped hinge.
-constexpr double hinge_thicknesses = 2.0;
+constexpr double hinge_thicknesses = 2.5;
 
 }  // namespace
 

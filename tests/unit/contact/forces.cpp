@@ -126,6 +126,23 @@ TEST(ContactForces, hardening_follows_the_stated_law_and_stays_linear_beyond_tou
   }
 }
 
+TEST(ContactForces, nodes_of_a_rim_push_from_further_away) {
+  const double g = 0.22 * mm, offset = 0.1 * mm;  // beyond the threshold of 0.2 mm
+  TriangleMesh m;
+  m.add_sheet(10, 9, 5 * mm, 4.5 * mm, [](const Vec3& p) -> Vec3 { return p; });
+  const auto upper = m.add_sheet(7, 8, 3 * mm, 3 * mm, [&](const Vec3& p) -> Vec3 { return p + Vec3(0.8 * mm, 0.9 * mm, g); }, true);
+  auto s = contact_surface_from_triangles(m.x, m.triangles);
+  const int rim = upper[0] + 30;
+  for (int r = s.ring_start[rim]; r < s.ring_start[rim + 1]; ++r) s.triangle_side[s.ring[r]] = 0;
+  auto options = plain_options();
+  options.border_offset = offset;
+  SelfContact contact(s, options);
+  std::vector<double> forces(m.x.size(), 0.0), v(m.x.size(), 0.0);
+  contact.evaluate(m.x, v, 0, forces);
+  EXPECT_NEAR(contact.normal_force()[rim], 1e8 * (0.2 * mm + offset - g) * s.reference_area[rim], 1e-10);
+  EXPECT_EQ(contact.normal_force()[upper[0]], 0.0);
+}
+
 TEST(ContactForces, gap_is_exact_between_planes_in_any_position) {
   const Eigen::AngleAxisd turn(1.1, Vec3(1, -2, 0.5).normalized());
   const Vec3 shift(0.3, -0.1, 0.2);
