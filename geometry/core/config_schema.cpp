@@ -117,7 +117,7 @@ const Row rows[] = {
     {"contact.friction", "number", "0.2", "0 .. 10", "Coulomb coefficient; 0 leaves friction out"},
     {"contact.faces", "choice both|inner", "both", "", "faces that can touch: both, or the atrial (inner) faces only"},
     {"contact.threshold", "length?", "auto", "0 mm .. 10 mm", "gap below which faces count as touching: verdict, belt and map; auto: the fluid spacing, below which the grid carries no flow (contact.range without blood)"},
-    {"contact.range", "length?", "auto", "0.001 mm .. 10 mm", "gap below which faces push each other apart; auto: half the fluid spacing"},
+    {"contact.range", "length?", "auto", "0.001 mm .. 10 mm", "gap below which faces push each other apart; auto: half the fluid spacing, at most the thickness"},
     {"contact.stiffness", "number", "1", "0 .. 1000", "factor on the penalty stiffness, which carries the largest pressure of the run at a gap of a quarter of contact.range"},
     {"contact.search_every", "integer", "0", "0 .. 1000", "steps between two searches for candidates; 0: when the leaflets have moved far enough"},
 

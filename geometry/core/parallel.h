@@ -31,6 +31,15 @@ inline void set_thread_count(int n) {
 #endif
 }
 
+namespace detail {
+/// One compiled copy of a body for the serial and the parallel path: inlined twice, the compiler may fuse multiplications and additions
+/// differently, and results would depend on the thread count by round-off.
+template <class Body>
+[[gnu::noinline]] void run_range(Body& body, std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
+  body(begin, end, thread);
+}
+}  // namespace detail
+
 /// Calls body(begin, end, thread) for contiguous ranges that cover [0, n).
 template <class Body>
 void parallel_ranges(std::ptrdiff_t n, Body&& body, std::ptrdiff_t serial_below = serial_loop_limit) {
@@ -40,13 +49,13 @@ void parallel_ranges(std::ptrdiff_t n, Body&& body, std::ptrdiff_t serial_below 
     {
       const std::ptrdiff_t teams = omp_get_num_threads();
       const std::ptrdiff_t t = omp_get_thread_num();
-      body(n * t / teams, n * (t + 1) / teams, static_cast<int>(t));
+      detail::run_range(body, n * t / teams, n * (t + 1) / teams, static_cast<int>(t));
     }
     return;
   }
 #endif
   (void)serial_below;
-  body(std::ptrdiff_t{0}, n, 0);
+  detail::run_range(body, std::ptrdiff_t{0}, n, 0);
 }
 
 /// Calls body(i) for i in [0, n).

@@ -99,7 +99,8 @@ Structure::Structure(const Scene& scene, double largest_pressure) : has_fluid_(s
     surface_ = extract_contact_surface(leaflet_rest, mesh.tets, mesh.order, mesh.side,
                                        config.text("contact.faces") == "inner" ? ContactFaces::inner : ContactFaces::both);
     const double spacing = config.number("tube.spacing");
-    const double range = config.is_auto("contact.range") ? range_share * spacing : config.number("contact.range");
+    // On a very coarse grid a range beyond the thickness would press on leaflets at rest.
+    const double range = config.is_auto("contact.range") ? std::min(range_share * spacing, config.number("mesh.thickness")) : config.number("contact.range");
     threshold_ = config.is_auto("contact.threshold") ? std::max(range, has_fluid_ ? spacing : 0.0) : config.number("contact.threshold");
     ContactOptions options = leaflet_contact_options(range, config.number("mesh.thickness"), largest_pressure, config.number("contact.stiffness"));
     options.friction = config.number("contact.friction");
