@@ -156,6 +156,7 @@ TEST(Mvsolve, what_a_scene_leaves_out_costs_nothing) {
 }
 
 TEST(Mvsolve, quadratic_tetrahedra_run_with_every_law) {
+  coarse_case();  // writes coarse.toml
   const fs::path directory = scratch() / "quadratic";
   ASSERT_EQ(run("mvprep", {"run", "-c", (scratch() / "coarse.toml").string(), "-o", directory.string(), "--set", "mesh.order=2"}).code, 0);
   for (const char* law : {"m1", "ogden", "hgo"}) {
