@@ -130,6 +130,25 @@ TEST(Mvsolve, resume_after_an_interrupt_equals_the_uninterrupted_run_to_the_last
   EXPECT_EQ(run("mvsolve", other).code, 4);
 }
 
+TEST(Mvsolve, a_finished_run_goes_on_to_a_later_end_and_refuses_an_earlier_one) {
+  const fs::path longer = scratch() / "longer", extended = scratch() / "extended";
+  auto arguments = [&](const fs::path& results, const std::string& end) {
+    return std::vector<std::string>{"run", coarse_case().string(), "-o", results.string(), "--set", "time.end=" + end};
+  };
+  ASSERT_EQ(run("mvsolve", arguments(longer, "6 ms")).code, 0);
+  ASSERT_EQ(run("mvsolve", arguments(extended, "4 ms")).code, 0);
+  auto resumed = arguments(extended, "2 ms");
+  resumed.push_back("--resume");
+  const Outcome earlier = run("mvsolve", resumed);
+  EXPECT_EQ(earlier.code, 4);
+  EXPECT_NE(earlier.err.find("time.end"), std::string::npos);
+  EXPECT_TRUE(fs::exists(extended / "summary.json"));
+  resumed = arguments(extended, "6 ms");
+  resumed.push_back("--resume");
+  ASSERT_EQ(run("mvsolve", resumed).code, 0);
+  EXPECT_EQ(mv::read_file(longer / "series.csv"), mv::read_file(extended / "series.csv"));
+}
+
 TEST(Mvsolve, results_do_not_depend_on_the_thread_count) {
   for (const char* threads : {"1", "2"}) {
     const Outcome o = run("mvsolve", {"run", coarse_case().string(), "-o", (scratch() / ("t" + std::string(threads))).string(), "--threads", threads, "--set", "time.end=50 ms",
