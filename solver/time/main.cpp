@@ -10,6 +10,7 @@
 #include "geometry/core/version.h"
 #include "solver/output/summary.h"
 #include "solver/report/report.h"
+#include "solver/study/stability_command.h"
 #include "solver/time/run.h"
 
 namespace {
@@ -58,6 +59,8 @@ int main(int argc, char** argv) {
   CLI::App* report_command = app.add_subcommand("report", "write RESULTS/report.html again from RESULTS alone");
   report_command->add_option("RESULTS", report_results, "results directory")->required();
 
+  mv::StabilityCommand stability(app, &is_interrupted);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -74,6 +77,10 @@ int main(int argc, char** argv) {
       run.is_interrupted = &is_interrupted;
       if (mv::run_case(run) == mv::RunEnd::interrupted) return static_cast<int>(mv::ExitCode::interrupted);
       print_summary(run.results);
+    } else if (stability.is_asked()) {
+      std::signal(SIGINT, on_interrupt);
+      std::signal(SIGTERM, on_interrupt);
+      return static_cast<int>(stability.run());
     } else if (*report_command) {
       std::cout << mv::write_report(report_results).string() << "\n";
     }
