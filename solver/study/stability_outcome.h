@@ -15,7 +15,7 @@ enum class CaseEnd {
   finished,   // reached its simulated time
   refused,    // by mvprep or mvsolve before the first step, with a reason
   stopped,    // the run gave up with a reason
-  late,       // did not reach its simulated time within its wall-time limit
+  late,       // did not reach its simulated time within its time limit
   hung,       // did not answer and was ended
   crashed     // a signal, or an error that is our bug
 };
@@ -25,7 +25,8 @@ struct CaseOutcome {
   CaseEnd end = CaseEnd::crashed;
   std::string reason;                 // "" when finished
   std::vector<std::string> failed_gates;   // of failed_trust_gates()
-  double simulated_s = 0, seconds = 0;
+  double simulated_s = 0;
+  double seconds = 0;                 // processor time; for a case that crashed or hung, by the clock
   long steps = 0, rollbacks = 0;
   double dt_mean_s = 0, dt_min_s = 0;
   std::string limiter;                // what limited most steps

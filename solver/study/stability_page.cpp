@@ -75,7 +75,7 @@ std::string stability_page(const std::vector<StabilityRow>& rows, double seconds
          "<b>Refused</b>: mvprep or mvsolve said before the first step why it cannot be solved.</p>\n";
   out += "<div class=\"scroll\"><table><thead><tr><th>case</th><th>verdict</th><th>time, ms</th><th>steps</th><th>mean step, µs</th><th>least step, µs</th><th>limiter</th><th>rollbacks</th>"
          "<th>energy residual, %</th><th>solid volume drift, %</th><th>least J</th><th>distortion controlled, %</th><th>crossings</th><th>closing volume, ml</th>"
-         "<th>peak velocity, m/s</th><th>chordae, N</th><th>seconds</th><th>what, and why</th></tr></thead><tbody>\n";
+         "<th>peak velocity, m/s</th><th>chordae, N</th><th>processor seconds</th><th>what, and why</th></tr></thead><tbody>\n";
   std::string axis;
   for (const StabilityRow& row : rows) {
     if (row.stability_case.axis != axis) {

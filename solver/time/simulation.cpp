@@ -20,6 +20,9 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 constexpr double metres_per_mm = 1e-3;
 constexpr int estimate_every = 50;        // steps between two estimates of the stiffest mode
 constexpr int estimate_products = 3;
+constexpr int estimate_apart = 5;          // steps, at least
+constexpr double estimate_growth = 0.2;    // of elastic or contact energy, calls for an estimate before its time
+constexpr double estimate_contact_share = 0.01;   // contact energy below this share of the elastic one does not count
 constexpr int volumes_every = 10;          // steps between two evaluations of the nodes' smoothed volumes
 constexpr int gaps_every = 20;             // steps between two searches for facing leaflets
 constexpr int snapshot_every = 200;       // steps between two states to fall back to
@@ -103,7 +106,14 @@ State Simulation::initial_state() {
 double Simulation::choose_step(State& state, double stop_time, std::string& limiter) {
   const Config& config = scene_.config;
   const auto start = Clock::now();
-  if (state.step % estimate_every == 0) {
+  // Between two estimates the leaflets may be stretched, or meet: whatever stores more energy by a share is stiffer than it was.
+  const bool has_stiffened = state.elastic_energy > (1 + estimate_growth) * state.energy_at_estimate ||
+                             state.contact_energy > (1 + estimate_growth) * state.contact_at_estimate + estimate_contact_share * state.elastic_energy;
+  const bool is_due = state.step % estimate_every == 0 || (has_stiffened && state.step >= state.step_of_estimate + estimate_apart);
+  if (is_due) {
+    state.energy_at_estimate = state.elastic_energy;
+    state.contact_at_estimate = state.contact_energy;
+    state.step_of_estimate = state.step;
     // The tangent of contact belongs to these positions, also after a resume or a rollback.
     if (structure_->contact()) refresh(state);
     if (coupling_) coupling_->bind({state.x, state.v, structure_->is_fixed()});
@@ -130,7 +140,7 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
       has_warned_of_step_ = true;
     }
   }
-  if (fluid_ && state.step % estimate_every == 0) state.flow_step = fluid_->stable_step(state.flow);
+  if (fluid_ && is_due) state.flow_step = fluid_->stable_step(state.flow);
   if (fluid_ && state.flow_step < dt) {
     dt = state.flow_step;
     limiter = "flow";

@@ -39,6 +39,8 @@ struct State {
   // step control
   double dt = 0;                      // s, of the last step
   double frequency = 0;               // rad/s, estimate of the stiffest mode
+  double energy_at_estimate = 0, contact_at_estimate = 0;   // J, elastic and contact energy when it was estimated
+  long step_of_estimate = 0;
   std::vector<double> mode_shape;     // of that mode, start of the next estimate
   std::string stiffest_part;          // what makes that mode stiff
   double dt_cap = 1e300;              // s, after a rollback
