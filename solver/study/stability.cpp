@@ -236,6 +236,8 @@ long bad_count(const std::vector<StabilityRow>& rows) {
   return std::count_if(rows.begin(), rows.end(), [](const StabilityRow& r) { return is_bad(r.judgement.verdict); });
 }
 
+ExitCode exit_code_of(const std::vector<StabilityRow>& rows) { return bad_count(rows) == 0 ? ExitCode::done : ExitCode::not_trustworthy; }
+
 std::string stability_csv(const std::vector<StabilityRow>& rows) {
   std::string csv =
       "case,axis,verdict,reason,simulated_s,steps,dt_mean_s,dt_min_s,limiter,rollbacks,energy_residual_relative,solid_volume_drift,J_min,distortion_controlled_fraction,"

@@ -24,7 +24,6 @@ enum class CaseEnd {
 struct CaseOutcome {
   CaseEnd end = CaseEnd::crashed;
   std::string reason;                 // "" when finished
-  std::vector<std::string> failed_gates;   // of failed_trust_gates()
   double simulated_s = 0;
   double seconds = 0;                 // processor time; for a case that crashed or hung, by the clock
   long steps = 0, rollbacks = 0;
@@ -56,7 +55,7 @@ struct Judgement {
   std::string reason;   // why, in words; for `stable` what was checked last is left out
 };
 
-/// The verdict: `stable` needs the simulated time, finite numbers, every trust gate of `mvsolve run` and the physics of the case's behaviour;
+/// The verdict: `stable` needs the simulated time, finite numbers, the trust gates (crossings, energy, volume) and the physics of the case's behaviour;
 /// `refused` needs a reason. An end other than the declared one is `unexpected`.
 Judgement judge(const StabilityCase& stability_case, const CaseOutcome& outcome);
 
