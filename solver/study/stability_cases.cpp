@@ -137,7 +137,9 @@ void add_tissue(Table& t) {
   t.add("thickness_2", "2 mm", {}).geometry = thick;
   t.add("thickness_3", "3 mm", {}).geometry = {"mesh.thickness=3 mm", "mesh.spacing=1.35 mm"};
   t.axis("Poisson's ratio");
-  for (const char* nu : {"0", "0.3", "0.49", "0.4999"})
+  for (const char* nu : {"0", "0.3"})
+    t.refuse(std::string("poisson_") + nu, std::string("numerical Poisson's ratio ") + nu + " in blood", {std::string("leaflet.poisson_ratio=") + nu});
+  for (const char* nu : {"0.48", "0.49", "0.4999"})
     t.add(std::string("poisson_") + nu, std::string("numerical Poisson's ratio ") + nu, {std::string("leaflet.poisson_ratio=") + nu});
   t.refuse("poisson_0.5", "numerical Poisson's ratio 0.5", {"leaflet.poisson_ratio=0.5"});
   t.refuse("poisson_negative", "volumetric stiffness of 1 kPa: Poisson's ratio below 0", {"leaflet.bulk=1 kPa"});
@@ -178,13 +180,13 @@ void add_contact(Table& t) {
   t.add("friction_0", "none", {"contact.friction=0"});
   t.add("friction_1", "Coulomb coefficient 1", {"contact.friction=1"});
   t.axis("leaflets touching or crossing at the start");
-  t.add("start_touching", "leaflets within the contact's range", {"gates.min_dihedral=3 deg"}, whole, Behaviour::rests).alter = bring_to_touch;
+  t.add("start_touching", "leaflets within the contact's range", {"gates.min_dihedral=0.5 deg"}, whole, Behaviour::rests).alter = bring_to_touch;
   t.refuse("start_crossing", "leaflets through each other", {"gates.min_dihedral=0 deg"}).alter = [](Scene& scene) { bring_together(scene, 1.3); };
 }
 
 void add_chordae(Table& t) {
   t.axis("one chorda");
-  StabilityCase& one = t.add("one_chorda", "one anterior chorda carries all", {}, whole, Behaviour::prolapses);
+  StabilityCase& one = t.add("one_chorda", "one anterior chorda carries all", {}, whole, Behaviour::rests);
   one.geometry = long_atrium;
   one.alter = keep_one_chorda;
   t.refuse("one_chorda_no_room", "the same in the usual tube", {}).alter = keep_one_chorda;
@@ -226,8 +228,8 @@ void add_combinations(Table& t) {
   t.add("soft_thin_300", "fibres x 1/100, 0.5 mm, 300 mmHg", m1_fibres(0.01) + pressure(300, 30)).geometry = {"mesh.thickness=0.5 mm", "mesh.layers=1"};
   t.add("stiff_thick_step", "fibres and chordae x 100, 2 mm, pressure in one step", m1_fibres(100) + chordae(100) + one_step).geometry = thick;
   t.add("thick_viscous_sticky", "0.1 Pa s, Poisson's ratio 0.4999, friction 1", {"fluid.viscosity=0.1 Pa s", "leaflet.poisson_ratio=0.4999", "contact.friction=1"});
-  t.add("thin_blood_smooth", "inviscid, Poisson's ratio 0.3, no friction, in one step",
-        one_step + List{"fluid.viscosity=0 Pa s", "leaflet.poisson_ratio=0.3", "contact.friction=0"});
+  t.add("thin_blood_smooth", "inviscid, Poisson's ratio 0.48, no friction, in one step",
+        one_step + List{"fluid.viscosity=0 Pa s", "leaflet.poisson_ratio=0.48", "contact.friction=0"});
   t.add("cut_300", "300 mmHg, chordae x 10, two cut", pressure(300, 30) + chordae(10) + List{"chordae.cut=[0, 7]", "chordae.cut_time=35 ms"}, whole, Behaviour::rests)
       .geometry = long_atrium;
   t.add("jerk_stiff", "chordae x 100 jerked by 10 mm", chordae(100) + tips("[0 mm, 0 mm, -10 mm]", 35, 0), whole, Behaviour::rests);
