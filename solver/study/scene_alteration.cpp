@@ -62,26 +62,25 @@ void squash_elements(Scene& scene, double degrees) {
 void bring_together(Scene& scene, double distance) {
   LeafletMesh& mesh = scene.mesh;
   const Vec3 e3 = -scene.annulus.normal, e1 = scene.annulus.axis_major;
-  Vec3 e2 = e3.cross(e1).normalized();
-  double length = 0, side = 0;
-  for (std::size_t e = 0; e < mesh.tets.size(); ++e)
-    if (mesh.region[e] == anterior) side += e2.dot(mesh.points[static_cast<std::size_t>(mesh.tets[e][0])] - scene.annulus.origin);
-  if (side < 0) e2 = -e2;
+  const Vec3 e2 = e3.cross(e1).normalized();
+  double length = 0, offset = 0;
+  std::vector<char> is_anterior(mesh.points.size(), 0);
   for (const Vec2& uv : mesh.unfolded) length = std::max(length, uv.y());
-  std::vector<char> moves(mesh.points.size(), 0);
-  for (std::size_t e = 0; e < mesh.tets.size(); ++e)
-    for (int c = 0; c < mesh.nodes_per_tet(); ++c)
-      if (mesh.region[e] == anterior) moves[static_cast<std::size_t>(mesh.tets[e][static_cast<std::size_t>(c)])] = 1;
+  for (std::size_t e = 0; e < mesh.tets.size(); ++e) {
+    if (mesh.region[e] != anterior) continue;
+    offset += e2.dot(mesh.points[static_cast<std::size_t>(mesh.tets[e][0])] - scene.annulus.origin);
+    for (int c = 0; c < mesh.nodes_per_tet(); ++c) is_anterior[static_cast<std::size_t>(mesh.tets[e][static_cast<std::size_t>(c)])] = 1;
+  }
+  const double half = (offset > 0 ? -0.5 : 0.5) * distance;   // of the anterior leaflet, along e2
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-    if (!moves[i]) continue;
-    const double along = e1.dot(mesh.points[i] - scene.annulus.origin) / bump_width_mm, drop = mesh.unfolded[i].y() / length;
-    mesh.points[i] -= distance * drop * drop * std::exp(-along * along) * e2;
+    const double along = e1.dot(mesh.points[i] - scene.annulus.origin) / bump_width_mm;
+    mesh.points[i] += (is_anterior[i] ? half : -half) * mesh.unfolded[i].y() / length * std::exp(-along * along) * e2;
   }
 }
 
 void bring_to_touch(Scene& scene) {
   const LeafletMesh open = scene.mesh;
-  double low = 0, high = 40;
+  double low = 0, high = 50;
   while (high - low > 0.01) {
     scene.mesh = open;
     const double middle = 0.5 * (low + high);

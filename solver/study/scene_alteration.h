@@ -12,7 +12,7 @@ namespace mv {
 /// value inverts it.
 void squash_elements(Scene& scene, double degrees);
 
-/// Shears the middle of the anterior leaflet towards the posterior one, by up to `distance` (mm) at its border; volumes stay.
+/// Shears the middles of both leaflets towards each other, by half of `distance` (mm) each where they are longest; volumes stay.
 void bring_together(Scene& scene, double distance);
 
 /// As far as that goes without crossing triangles, less a twentieth of a millimetre: borders touch within the contact's range.

@@ -48,7 +48,7 @@ TEST_F(Stability, sound_and_refused_cases_end_with_code_0_a_table_and_a_page) {
   std::vector<mv::StabilityCase> cases{quick("sound")};
   cases.push_back(refused("crossing", [](mv::Scene& scene) {
     scene.config.set("gates.min_dihedral=0 deg");
-    mv::bring_together(scene, 30);
+    mv::bring_together(scene, 36);
   }));
   cases.push_back(refused("squashed", [](mv::Scene& scene) { mv::squash_elements(scene, 1); }));
   cases.push_back(refused("inverted", [](mv::Scene& scene) {
