@@ -2,6 +2,7 @@
 #include "solver/coupling/transfer.h"
 
 #include <algorithm>
+#include <cstring>
 #include <stdexcept>
 
 #include "geometry/core/parallel.h"
@@ -27,6 +28,16 @@ constexpr int width_of(const KernelWeights& w) {
   else if constexpr (K == Kernel::ib3) return 3;
   else return w.width;
 }
+
+// Four neighbours along x in one register. Narrower kernels have zero weights at the end: the values read there lie in the ghost layers or the next row.
+using Quad = double __attribute__((vector_size(32)));
+static_assert(kernel_width_max == 4);
+inline Quad load(const double* p) {
+  Quad q;
+  std::memcpy(&q, p, sizeof q);
+  return q;
+}
+inline void store(double* p, Quad q) { std::memcpy(p, &q, sizeof q); }
 
 // Weights of the three components along the three axes at one point (in cells).
 template <Kernel K>
@@ -98,21 +109,17 @@ void Transfer::interpolate_with(const FaceField& velocity, std::span<double> vel
       const KernelWeights& wx = weights.w[c][0];
       const KernelWeights& wy = weights.w[c][1];
       const KernelWeights& wz = weights.w[c][2];
-      const int nx = width_of<K>(wx), ny = width_of<K>(wy), nz = width_of<K>(wz);
+      const int ny = width_of<K>(wy), nz = width_of<K>(wz);
       const double* base = velocity.c[c].data() + grid_.index(wx.first, wy.first, wz.first);
       const double* open = open_[c].data() + (wx.first + FluidGrid::ghosts) + sy * (wy.first + FluidGrid::ghosts);
-      double sum = 0;
+      Quad sum{};
       for (int j = 0; j < ny; ++j) {
-        double wxy[kernel_width_max] = {0, 0, 0, 0};
-        for (int i = 0; i < nx; ++i) wxy[i] = wx.w[i] * wy.w[j] * open[i + sy * j];
-        for (int k = 0; k < nz; ++k) {
-          const double* row = base + sy * j + sz * k;
-          double line = 0;
-          for (int i = 0; i < nx; ++i) line += wxy[i] * row[i];
-          sum += wz.w[k] * line;
-        }
+        Quad column{};
+        for (int k = 0; k < nz; ++k) column += wz.w[k] * load(base + sy * j + sz * k);
+        sum += (wy.w[j] * load(open + sy * j)) * column;
       }
-      out[c] = sum;
+      sum *= load(wx.w);
+      out[c] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
     }
   });
 }
@@ -143,20 +150,23 @@ void Transfer::spread_with(std::span<const double> forces, FaceField& force_dens
             const KernelWeights& wx = weights.w[c][0];
             const KernelWeights& wy = weights.w[c][1];
             const KernelWeights& wz = weights.w[c][2];
-            const int nx = width_of<K>(wx), ny = width_of<K>(wy), nz = width_of<K>(wz);
+            const int ny = width_of<K>(wy), nz = width_of<K>(wz);
             double* base = force_density.c[c].data() + grid_.index(wx.first, wy.first, wz.first);
             const double* open = open_[c].data() + (wx.first + FluidGrid::ghosts) + sy * (wy.first + FluidGrid::ghosts);
-            const double f = force[c] * per_volume;
+            const Quad along_x = (force[c] * per_volume) * load(wx.w);
             const int k0 = std::max<int>(0, static_cast<int>(k_begin) - wz.first);
             const int k1 = std::min<int>(nz, static_cast<int>(k_end) - wz.first);
-            for (int j = 0; j < ny; ++j) {
-              double wxy[kernel_width_max] = {0, 0, 0, 0};
-              for (int i = 0; i < nx; ++i) wxy[i] = f * wx.w[i] * wy.w[j] * open[i + sy * j];
-              for (int k = k0; k < k1; ++k) {
-                double* row = base + sy * j + sz * k;
-                for (int i = 0; i < nx; ++i) row[i] += wz.w[k] * wxy[i];
+            const auto add = [&](int first, int last) {
+              for (int j = 0; j < ny; ++j) {
+                const Quad wxy = along_x * (wy.w[j] * load(open + sy * j));
+                for (int k = first; k < last; ++k) {
+                  double* row = base + sy * j + sz * k;
+                  store(row, load(row) + wz.w[k] * wxy);
+                }
               }
-            }
+            };
+            if (k0 == 0 && k1 == nz) add(0, nz);  // unrolled
+            else add(k0, k1);
           }
         }
       },
