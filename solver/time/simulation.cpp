@@ -17,7 +17,9 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 constexpr double metres_per_mm = 1e-3;
-constexpr int estimate_every = 50;        // steps between two estimates of the stiffest mode
+// Steps between two estimates of the stiffest mode: few while it stiffens quickly (fibres at the impact, contact) and after a rollback.
+constexpr int estimate_every = 50, estimate_soon = 10;
+constexpr double quick_stiffening = 1.03;  // growth of the frequency from one estimate to the next
 constexpr int estimate_products = 3;
 // Of the power iteration for the elements' own critical steps: relaxation keeps a ninth of its limit, so that a few per cent do not matter.
 constexpr int relaxation_rounds = 6;
@@ -25,7 +27,7 @@ constexpr int volumes_every = 10;          // steps between two evaluations of t
 constexpr int gaps_every = 20;             // steps between two searches for facing leaflets
 constexpr int snapshot_every = 200;       // steps between two states to fall back to
 constexpr int rollbacks_allowed = 8;      // in a row
-constexpr int cap_steps = 2000;           // how long the smaller step lasts after a rollback
+constexpr int cap_steps = 500;            // how long the smaller step lasts after a rollback
 // An inverted element is pushed back by the continued law and distortion control; a step fails when they become more than a few.
 constexpr double inverted_share_allowed = 2e-4;
 constexpr double largest_move = 0.25;     // of the fluid spacing (or the mesh spacing) in one step
@@ -103,12 +105,16 @@ State Simulation::initial_state() {
 double Simulation::choose_step(State& state, double stop_time, std::string& limiter) {
   const Config& config = scene_.config;
   const auto start = Clock::now();
-  if (state.step % estimate_every == 0) {
+  const bool is_estimated = state.step >= state.next_estimate;
+  if (is_estimated) {
+    const double before = state.frequency;
     // The tangent of contact belongs to these positions, also after a resume or a rollback.
     if (structure_->contact()) refresh(state);
     if (coupling_) coupling_->bind({state.x, state.v, structure_->is_fixed()});
     stable_step_->update(state, *structure_, coupling_ ? &*coupling_ : nullptr, fluid_ ? &*fluid_ : nullptr, estimate_products);
     if (coupling_ && scene_.config.flag("coupling.relaxation")) update_relaxation(state);
+    const bool is_soon = state.step < state.cap_until_step || (before > 0 && state.frequency > quick_stiffening * before);
+    state.next_estimate = state.step + (is_soon ? estimate_soon : estimate_every);
   }
   times_.step_estimate += seconds_since(start);
   double dt = config.number("time.step_max");
@@ -126,7 +132,7 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
       limiter = state.stiffest_part;
     }
   }
-  if (fluid_ && state.step % estimate_every == 0) state.flow_step = fluid_->stable_step(state.flow);
+  if (fluid_ && is_estimated) state.flow_step = fluid_->stable_step(state.flow);
   if (fluid_ && state.flow_step < dt) {
     dt = state.flow_step;
     limiter = "flow";
@@ -305,6 +311,7 @@ std::string Simulation::step(State& state, double stop_time) {
     state = snapshot_;
     state.dt_cap = cap;
     state.cap_until_step = state.step + cap_steps;
+    state.next_estimate = state.step;
     state.rollbacks = total;
     state.rollbacks_in_a_row = in_a_row;
     snapshot_ = state;

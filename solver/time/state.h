@@ -42,6 +42,7 @@ struct State {
   std::string stiffest_part;          // what makes that mode stiff
   double dt_cap = 1e300;              // s, after a rollback
   long cap_until_step = 0;
+  long next_estimate = 0;             // step of the next estimate of `frequency`
   long rollbacks = 0, rollbacks_in_a_row = 0;
   double flow_step = 1e300;           // s, largest step the flow allows
   double dt_sum = 0, dt_min = 1e300;  // s
