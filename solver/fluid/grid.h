@@ -49,7 +49,8 @@ enum class BoundaryKind : int {
   wall,      // no slip, normal velocity zero; tangential velocity of the wall given
   open,      // pressure given, velocity free
   symmetry,  // normal velocity zero, no shear
-  periodic   // both sides of the axis
+  periodic,  // both sides of the axis
+  inflow     // normal velocity given per face, may change in time (NavierStokes::set_inflow); tangential velocity zero
 };
 
 struct FluidBoundary {

@@ -2,6 +2,7 @@
 #include "solver/fluid/navier_stokes.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "geometry/core/parallel.h"
@@ -52,6 +53,25 @@ FlowState NavierStokes::make_state() const {
   return state;
 }
 
+void NavierStokes::set_inflow(std::size_t axis, std::size_t side, std::span<const double> normal_velocity) {
+  assert(boundary_.side[axis][side] == BoundaryKind::inflow);
+  assert(normal_velocity.size() == static_cast<std::size_t>(grid_.n[(axis + 1) % 3]) * static_cast<std::size_t>(grid_.n[(axis + 2) % 3]));
+  inflow_[axis][side].assign(normal_velocity.begin(), normal_velocity.end());
+}
+
+void NavierStokes::impose_inflow(FaceField& velocity) const {
+  const std::array<std::ptrdiff_t, 3> stride{1, grid_.stride_y(), grid_.stride_z()};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (inflow_[axis][side].empty()) continue;
+      const std::size_t a1 = (axis + 1) % 3, a2 = (axis + 2) % 3;
+      const double* given = inflow_[axis][side].data();
+      double* faces_of_side = velocity.c[axis].data() + grid_.index(0, 0, 0) + (side == 0 ? 0 : grid_.n[axis]) * stride[axis];
+      for (int q2 = 0; q2 < grid_.n[a2]; ++q2)
+        for (int q1 = 0; q1 < grid_.n[a1]; ++q1) faces_of_side[q1 * stride[a1] + q2 * stride[a2]] = *given++;
+    }
+}
+
 void NavierStokes::apply_velocity_boundary(FaceField& velocity) const {
   const std::array<std::ptrdiff_t, 3> stride{1, grid_.stride_y(), grid_.stride_z()};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -84,7 +104,9 @@ void NavierStokes::apply_velocity_boundary(FaceField& velocity) const {
                 face[out] = face[0];
                 face[2 * out] = face[0];
               } else {
-                const double v = kind == BoundaryKind::wall ? boundary_.wall_velocity[axis][side][static_cast<Eigen::Index>(axis)] : 0.0;
+                const double v = kind == BoundaryKind::wall     ? boundary_.wall_velocity[axis][side][static_cast<Eigen::Index>(axis)]
+                                 : kind == BoundaryKind::inflow ? face[0]
+                                                                : 0.0;
                 face[0] = v;
                 face[out] = 2 * v - face[-out];
                 if (2 <= n) face[2 * out] = 2 * v - face[-2 * out];
@@ -100,7 +122,7 @@ void NavierStokes::apply_velocity_boundary(FaceField& velocity) const {
                 cell[out] = cell[0];
                 cell[2 * out] = n > 1 ? cell[-out] : cell[0];
               } else {
-                const double v = boundary_.wall_velocity[axis][side][static_cast<Eigen::Index>(component)];
+                const double v = kind == BoundaryKind::wall ? boundary_.wall_velocity[axis][side][static_cast<Eigen::Index>(component)] : 0.0;
                 cell[out] = 2 * v - cell[0];
                 cell[2 * out] = 2 * v - (n > 1 ? cell[-out] : cell[0]);
               }
@@ -277,6 +299,7 @@ FlowStepReport NavierStokes::advance(FlowState& state, const FaceField& force, d
   const double h = grid_.h, inverse_h = 1.0 / h;
   const double per_density = 1.0 / density_;
 
+  impose_inflow(state.velocity);
   apply_velocity_boundary(state.velocity);
   double advection_power = 0, viscous_power = 0;
   compute_rate(state.velocity, rate_, advection_power, viscous_power);
@@ -334,6 +357,7 @@ FlowStepReport NavierStokes::advance(FlowState& state, const FaceField& force, d
         },
         2);
   }
+  impose_inflow(state.velocity);
   apply_velocity_boundary(state.velocity);
   std::swap(state.rate_old, rate_);
   state.dt_old = dt;

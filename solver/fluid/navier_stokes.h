@@ -10,6 +10,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "solver/fluid/grid.h"
@@ -42,6 +43,11 @@ class NavierStokes {
 
   FlowState make_state() const;
 
+  /// Normal velocities (m/s, along the axis whichever the side) that every following step has at its end on a side of kind `inflow`. One value a face, the
+  /// axis that follows `axis` cyclically running fastest: n[axis+1] * n[axis+2]. Zero before the first call. Work and kinetic energy that enter there are not
+  /// in FlowStepReport.
+  void set_inflow(std::size_t axis, std::size_t side, std::span<const double> normal_velocity);
+
   /// Advances by dt with the force density `force` (N/m3, padded layout) and the given boundary pressures (Pa) at the new time.
   /// No allocation.
   FlowStepReport advance(FlowState& state, const FaceField& force, double dt, const std::array<std::array<double, 2>, 3>& boundary_pressure);
@@ -67,7 +73,7 @@ class NavierStokes {
   double density() const { return density_; }
   double viscosity() const { return viscosity_; }
 
-  /// Fills the ghost layers of the velocity and imposes normal velocities on walls.
+  /// Fills the ghost layers of the velocity and imposes normal velocities on walls; those on inflow sides stay as they are.
   void apply_velocity_boundary(FaceField& velocity) const;
 
  private:
@@ -75,6 +81,7 @@ class NavierStokes {
   /// rhs_ = scale * (sum of outgoing face values) of each cell.
   void divergence_to_rhs(const FaceField& velocity, double scale);
   void subtract_gradient(const std::vector<double>& potential, double scale, FaceField& velocity) const;
+  void impose_inflow(FaceField& velocity) const;
   void fill_pressure_ghosts(std::vector<double>& p, const std::array<std::array<double, 2>, 3>& boundary_value) const;
 
   FluidGrid grid_;
@@ -85,6 +92,7 @@ class NavierStokes {
   FaceField rate_;
   std::vector<double> rhs_;        // unpadded
   std::vector<double> increment_;  // padded pressure increment
+  std::array<std::array<std::vector<double>, 2>, 3> inflow_;  // m/s; empty where no inflow was set
   std::vector<std::array<double, 3>> partial_;  // one a z-slab: sums in fixed order
 };
 
