@@ -404,7 +404,7 @@ FlowStepReport NavierStokes::advance(FlowState& state, const FaceField& force, d
     for (std::size_t side = 0; side < 2; ++side)
       if (boundary_.side[axis][side] == BoundaryKind::open) {
         const double flow = 0.5 * (flow_before[axis][side] + open_side_flow(axis, side, false));
-        report.pressure_work += dt * flow * 0.5 * (boundary_pressure[axis][side] + state.boundary_pressure[axis][side]);
+        report.pressure_work += dt * flow * boundary_pressure[axis][side];
       }
   state.boundary_pressure = boundary_pressure;
   report.boundary_kinetic = dt * kinetic_in;
@@ -474,7 +474,9 @@ double NavierStokes::stable_step(const FlowState& state) const {
   const double h = grid_.h;
   const double diffusive = viscosity_ > 0 ? 0.4 * h * h * density_ / (wall_.stiffest_weight * viscosity_) : 1e300;
   const double peak = peak_velocity(state);
-  return std::min(diffusive, peak > 0 ? courant * h / peak : 1e300);
+  const double advective = peak > 0 ? courant * h / peak : 1e300;
+  // Both damp the shortest waves, and Adams-Bashforth overshoots beyond a damping of one a step: the rates add.
+  return 1.0 / (1.0 / diffusive + 1.0 / advective);
 }
 
 }  // namespace mv

@@ -4,9 +4,11 @@
 // Incompressible Navier-Stokes on a staggered grid:
 //   rho (du/dt + div(u u)) = -grad p + mu lap u + f,   div u = 0.
 // Scheme: explicit second-order Adams-Bashforth for advection (conservative, third-order upwind-biased, Leonard) and diffusion (second order),
-// incremental pressure correction (Van Kan 1986) with a direct Poisson solve on the box; forces f are taken at the old time.
+// incremental pressure correction (Van Kan 1986) with a direct Poisson solve on the box. Forces f and boundary pressures act as given through the whole
+// step: second order in time when they are those of its middle, first order otherwise. The pressure belongs to the middle of the last step.
 // Rigid tube wall: faces outside carry no flow before the projection; the pressure increment leaves there only O(dt^2 dp/dt).
-// Stability: advective CFL |u| dt/h < about 0.5 and nu dt/h^2 < about 1/12; both are far above the step the leaflets allow.
+// Stability (von Neumann): (|u| + |v| + |w|) dt/h < 0.55 without viscosity, nu dt/h^2 < 1/12 without flow; together the shares of both add up to less than one.
+// Both are far above the step the leaflets allow.
 
 #include <array>
 #include <memory>
@@ -25,7 +27,7 @@ struct FlowState {
   std::vector<double> pressure;   // Pa, padded layout
   FaceField rate_old;             // m/s2, advection + diffusion of the step before
   double dt_old = 0;              // s; 0 before the first step
-  std::array<std::array<double, 2>, 3> boundary_pressure{};  // Pa, at the time of `pressure`
+  std::array<std::array<double, 2>, 3> boundary_pressure{};  // Pa, that of the last step, as `pressure`
 };
 
 /// What one step did, for the energy budget (J) and the flow.
@@ -48,7 +50,7 @@ class NavierStokes {
   /// in FlowStepReport.
   void set_inflow(std::size_t axis, std::size_t side, std::span<const double> normal_velocity);
 
-  /// Advances by dt with the force density `force` (N/m3, padded layout) and the given boundary pressures (Pa) at the new time.
+  /// Advances by dt under the force density `force` (N/m3, padded layout) and the boundary pressures (Pa), both constant over the step.
   /// No allocation.
   FlowStepReport advance(FlowState& state, const FaceField& force, double dt, const std::array<std::array<double, 2>, 3>& boundary_pressure);
 
@@ -65,7 +67,7 @@ class NavierStokes {
   double peak_velocity(const FlowState& state) const;        // m/s, of the face components at cell centres
   /// Volume flow (m3/s) through the z-plane of faces k, positive along +z.
   double flow_through_z(const FlowState& state, int k) const;
-  /// Largest step (s) that advection and diffusion allow.
+  /// Largest step (s) that advection and diffusion allow together.
   double stable_step(const FlowState& state) const;
 
   const FluidGrid& grid() const { return grid_; }

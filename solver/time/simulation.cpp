@@ -31,6 +31,7 @@ constexpr int cap_steps = 500;            // how long the smaller step lasts aft
 // An inverted element is pushed back by the continued law and distortion control; a step fails when they become more than a few.
 constexpr double inverted_share_allowed = 2e-4;
 constexpr double largest_move = 0.25;     // of the fluid spacing (or the mesh spacing) in one step
+constexpr double move_share = 0.6;        // of largest_move that the next step may make at the last step's largest velocity
 // Structure-only scenes: mass-proportional damping rate (1/s) that brings the closing motion to rest within a beat.
 constexpr double structural_damping_rate = 300.0;
 
@@ -136,6 +137,10 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
   if (fluid_ && state.flow_step < dt) {
     dt = state.flow_step;
     limiter = "flow";
+  }
+  if (const double most = move_share * largest_move * motion_scale(); state.fastest * dt > most) {
+    dt = most / state.fastest;
+    limiter = "motion";
   }
   if (state.step < state.cap_until_step && state.dt_cap < dt) {
     dt = state.dt_cap;
@@ -269,7 +274,9 @@ double Simulation::work_on(const std::vector<double>& shift) const {
   return parallel_sum(static_cast<std::ptrdiff_t>(shift.size()), [&](std::ptrdiff_t a) { return forces_[static_cast<std::size_t>(a)] * shift[static_cast<std::size_t>(a)]; });
 }
 
-std::string Simulation::failure(const State& state, int outside) const {
+double Simulation::motion_scale() const { return metres_per_mm * (fluid_ ? scene_.tube.grid_spacing : 1.0); }
+
+std::string Simulation::failure(State& state, int outside) const {
   if (outside > 0) return fmt::format("{} leaflet points left the fluid box", outside);
   if (!structure_->solid().statistics().is_finite) return "the tissue's energy is not finite";
   if (const SolidStatistics& solid = structure_->solid().statistics();
@@ -280,9 +287,14 @@ std::string Simulation::failure(const State& state, int outside) const {
     return fmt::format("{} elements are inverted, the worst is element {} (layer {}, at u {:.1f} mm, v {:.1f} mm of the flat pattern)", solid.inverted, element,
                        scene_.mesh.layer[element], uv.x(), uv.y());
   }
-  const double limit = largest_move * metres_per_mm * (fluid_ ? scene_.tube.grid_spacing : 1.0);
-  for (std::size_t a = 0; a < state.x.size(); ++a)
-    if (!(std::abs(state.x[a] - x_before_[a]) < limit)) return fmt::format("node {} moved {:.3g} mm in one step", a / 3, 1e3 * std::abs(state.x[a] - x_before_[a]));
+  const double limit = largest_move * motion_scale();
+  double moved = 0;
+  for (std::size_t a = 0; a < state.x.size(); ++a) {
+    const double move = std::abs(state.x[a] - x_before_[a]);
+    if (!(move < limit)) return fmt::format("node {} moved {:.3g} mm in one step", a / 3, 1e3 * move);
+    moved = std::max(moved, move);
+  }
+  state.fastest = moved / state.dt;
   if (!std::isfinite(state.flow_rate)) return "the flow is not finite";
   return "";
 }

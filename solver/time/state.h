@@ -44,6 +44,7 @@ struct State {
   long cap_until_step = 0;
   long next_estimate = 0;             // step of the next estimate of `frequency`
   long rollbacks = 0, rollbacks_in_a_row = 0;
+  double fastest = 0;                 // m/s, largest component of a node's velocity in the last step
   double flow_step = 1e300;           // s, largest step the flow allows
   double dt_sum = 0, dt_min = 1e300;  // s
 
