@@ -79,58 +79,62 @@ void NavierStokes::apply_velocity_boundary(FaceField& velocity) const {
     const int m1 = grid_.padded(static_cast<int>(a1)), m2 = grid_.padded(static_cast<int>(a2));
     const int n = grid_.n[axis];
     const std::ptrdiff_t s = stride[axis];
-    for (std::size_t component = 0; component < 3; ++component) {
-      double* const data = velocity.c[component].data();
-      const bool is_normal = component == axis;
-      for (int q2 = 0; q2 < m2; ++q2) {
-        for (int q1 = 0; q1 < m1; ++q1) {
-          double* line = data + q1 * stride[a1] + q2 * stride[a2] + g * s;  // entry 0 is the first cell or face
-          const double* normal = velocity.c[axis].data() + q1 * stride[a1] + q2 * stride[a2] + g * s;
-          if (boundary_.side[axis][0] == BoundaryKind::periodic) {
-            line[-s] = line[(n - 1) * s];
-            line[-2 * s] = line[(n - 2 >= 0 ? n - 2 : n - 1) * s];
-            line[n * s] = line[0];
-            line[(n + 1) * s] = line[(n > 1 ? 1 : 0) * s];
-            line[(n + 2) * s] = line[(n > 2 ? 2 : n == 2 ? 0 : 0) * s];
-            continue;
-          }
-          for (std::size_t side = 0; side < 2; ++side) {
-            const BoundaryKind kind = boundary_.side[axis][side];
-            // Walk outwards from the boundary: `in` points to the interior, `out` beyond it.
-            const std::ptrdiff_t out = side == 0 ? -s : s;
-            if (is_normal) {
-              double* face = line + (side == 0 ? 0 : n) * s;
-              if (kind == BoundaryKind::open) {
-                face[out] = face[0];
-                face[2 * out] = face[0];
-              } else {
-                const double v = kind == BoundaryKind::wall     ? boundary_.wall_velocity[axis][side][static_cast<Eigen::Index>(axis)]
-                                 : kind == BoundaryKind::inflow ? face[0]
-                                                                : 0.0;
-                face[0] = v;
-                face[out] = 2 * v - face[-out];
-                if (2 <= n) face[2 * out] = 2 * v - face[-2 * out];
+    // Lines along an axis do not meet.
+    parallel_for(
+        m2,
+        [&](std::ptrdiff_t q2) {
+          for (std::size_t component = 0; component < 3; ++component) {
+            double* const data = velocity.c[component].data();
+            const bool is_normal = component == axis;
+            for (int q1 = 0; q1 < m1; ++q1) {
+              double* line = data + q1 * stride[a1] + q2 * stride[a2] + g * s;  // entry 0 is the first cell or face
+              const double* normal = velocity.c[axis].data() + q1 * stride[a1] + q2 * stride[a2] + g * s;
+              if (boundary_.side[axis][0] == BoundaryKind::periodic) {
+                line[-s] = line[(n - 1) * s];
+                line[-2 * s] = line[(n - 2 >= 0 ? n - 2 : n - 1) * s];
+                line[n * s] = line[0];
+                line[(n + 1) * s] = line[(n > 1 ? 1 : 0) * s];
+                line[(n + 2) * s] = line[(n > 2 ? 2 : n == 2 ? 0 : 0) * s];
+                continue;
               }
-            } else {
-              double* cell = line + (side == 0 ? 0 : n - 1) * s;
-              if (kind == BoundaryKind::open) {
-                const double entering = side == 0 ? normal[0] : -normal[n * s];
-                const double value = entering > 0 ? 0.0 : cell[0];
-                cell[out] = value;
-                cell[2 * out] = value;
-              } else if (kind == BoundaryKind::symmetry) {
-                cell[out] = cell[0];
-                cell[2 * out] = n > 1 ? cell[-out] : cell[0];
-              } else {
-                const double v = kind == BoundaryKind::wall ? boundary_.wall_velocity[axis][side][static_cast<Eigen::Index>(component)] : 0.0;
-                cell[out] = 2 * v - cell[0];
-                cell[2 * out] = 2 * v - (n > 1 ? cell[-out] : cell[0]);
+              for (std::size_t side = 0; side < 2; ++side) {
+                const BoundaryKind kind = boundary_.side[axis][side];
+                // Walk outwards from the boundary: `in` points to the interior, `out` beyond it.
+                const std::ptrdiff_t out = side == 0 ? -s : s;
+                if (is_normal) {
+                  double* face = line + (side == 0 ? 0 : n) * s;
+                  if (kind == BoundaryKind::open) {
+                    face[out] = face[0];
+                    face[2 * out] = face[0];
+                  } else {
+                    const double v = kind == BoundaryKind::wall     ? boundary_.wall_velocity[axis][side][static_cast<Eigen::Index>(axis)]
+                                     : kind == BoundaryKind::inflow ? face[0]
+                                                                    : 0.0;
+                    face[0] = v;
+                    face[out] = 2 * v - face[-out];
+                    if (2 <= n) face[2 * out] = 2 * v - face[-2 * out];
+                  }
+                } else {
+                  double* cell = line + (side == 0 ? 0 : n - 1) * s;
+                  if (kind == BoundaryKind::open) {
+                    const double entering = side == 0 ? normal[0] : -normal[n * s];
+                    const double value = entering > 0 ? 0.0 : cell[0];
+                    cell[out] = value;
+                    cell[2 * out] = value;
+                  } else if (kind == BoundaryKind::symmetry) {
+                    cell[out] = cell[0];
+                    cell[2 * out] = n > 1 ? cell[-out] : cell[0];
+                  } else {
+                    const double v = kind == BoundaryKind::wall ? boundary_.wall_velocity[axis][side][static_cast<Eigen::Index>(component)] : 0.0;
+                    cell[out] = 2 * v - cell[0];
+                    cell[2 * out] = 2 * v - (n > 1 ? cell[-out] : cell[0]);
+                  }
+                }
               }
             }
           }
-        }
-      }
-    }
+        },
+        2);
   }
 }
 
