@@ -49,7 +49,7 @@ struct FacetMotion {
 struct Sight {
   int pair, triangle;
   Vec3 n;
-  Facet facet;
+  const Facet* facet;
   double p, weight, chi, u, reach_squared;
   double l1, l2, b1, b2;
 };
@@ -135,6 +135,7 @@ struct SelfContact::Impl {
 
   // Per step.
   std::vector<contact::FacetHead> heads;
+  std::vector<Facet> facets;
   std::vector<int> record_of_pair;        // -1: no reaction
   std::vector<SlaveTotals> slave_totals;  // per slave
   std::vector<CornerForces> records;
@@ -180,6 +181,7 @@ struct SelfContact::Impl {
     stamp.assign(triangles, 0);
     node_stamp.assign(nodes, 0);
     heads.resize(triangles);
+    facets.resize(triangles);
     is_active.assign(nodes, 0);
     facet_force.resize(triangles);
     facet_active.assign(triangles, 0);
@@ -322,13 +324,17 @@ struct SelfContact::Impl {
     return m;
   }
 
-  Facet facet_of(std::span<const double> x, int f, const contact::FacetHead& head) const {
-    const auto& t = surface.triangles[f];
-    return contact::make_facet(at(x, surface.nodes[t[0]]), at(x, surface.nodes[t[1]]), at(x, surface.nodes[t[2]]), head.area2);
+  /// Of the triangles in some list.
+  void compute_facets(std::span<const double> x) {
+    parallel_for(static_cast<std::ptrdiff_t>(masters.size()), [&](std::ptrdiff_t m) {
+      const int f = masters[m];
+      const auto& t = surface.triangles[f];
+      facets[f] = contact::make_facet(at(x, surface.nodes[t[0]]), at(x, surface.nodes[t[1]]), at(x, surface.nodes[t[2]]), heads[f].area2);
+    });
   }
 
   /// Triangles that face the node within reach, with their weights; returns W.
-  double look(std::span<const double> positions, const Vec3& x, int node, std::vector<Sight>& seen) const {
+  double look(const Vec3& x, int node, std::vector<Sight>& seen) const {
     seen.clear();
     double nearest = threshold_of[node];
     int pair = near.first_pair(node) - 1;
@@ -348,10 +354,10 @@ struct SelfContact::Impl {
       const double cosine = head.n.dot(n);
       if (!(cosine < facing_cosine)) continue;
       Sight s;
-      s.facet = facet_of(positions, f, head);
-      const Vec3 d = x - s.facet.a;
+      s.facet = &facets[f];
+      const Vec3 d = x - s.facet->a;
       const double p = head.n.dot(d);
-      const auto q = contact::project(s.facet, d);
+      const auto q = contact::project(*s.facet, d);
       const double reach_squared = averaging_radius[f] * averaging_radius[f] + lateral_growth * lateral_growth * p * p;
       if (!(q.lateral_squared < reach_squared)) continue;
       s.n = head.n;
@@ -413,7 +419,7 @@ struct SelfContact::Impl {
     const int first = near.first_pair(node);
     if (is_active[node]) std::fill_n(record_of_pair.begin() + first, near.triangles_of(node).size(), -1);
     const Vec3 position = at(x, surface.nodes[node]);
-    const double total = look(x, position, node, seen);
+    const double total = look(position, node, seen);
     double g = infinity;
     int nearest = -1;
     if (total > 0) {
@@ -448,7 +454,7 @@ struct SelfContact::Impl {
     Vec3 own = Vec3::Zero(), mean_normal = Vec3::Zero();
     int record = first;
     for (const Sight& s : seen) {
-      const Facet& f = s.facet;
+      const Facet& f = *s.facet;
       const double share = s.weight / total;
       // Factors on dp and on d(lateral distance squared), from dg and dW.
       const double slope = -2 * s.chi * (1 - s.u) * (force * (s.p - g) / total - force_of_total);
@@ -487,7 +493,7 @@ struct SelfContact::Impl {
     Vec3 point = Vec3::Zero(), velocity = Vec3::Zero(), spin = Vec3::Zero();
     double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
     for (const Sight& s : seen) {
-      const Facet& f = s.facet;
+      const Facet& f = *s.facet;
       const auto& t = surface.triangles[s.triangle];
       const FacetMotion m = motion_of(f, at(velocities, surface.nodes[t[0]]), at(velocities, surface.nodes[t[1]]),
                                       at(velocities, surface.nodes[t[2]]));
@@ -534,7 +540,7 @@ struct SelfContact::Impl {
     own_force[node] += friction;
     const Vec3 turn = inverse * arm.cross(friction);
     for (const Sight& s : seen) {
-      const Facet& f = s.facet;
+      const Facet& f = *s.facet;
       const double share = s.weight / total;
       const Vec3 centre = (f.e1 + f.e2) / 3;
       const Vec3 twist = (share / 3) * turn;
@@ -612,6 +618,7 @@ ContactResult SelfContact::evaluate(std::span<const double> x, std::span<const d
   if (searched) c.update_candidates(x);
   else if (stale & Impl::near_pairs) c.update_near_pairs(x);
   ++c.steps_since_search;
+  c.compute_facets(x);
   c.sights.resize(std::max(c.sights.size(), static_cast<std::size_t>(thread_count())));
   parallel_ranges(static_cast<std::ptrdiff_t>(c.slaves.size()), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
     for (std::ptrdiff_t k = begin; k < end; ++k) c.slave_totals[k] = c.evaluate_slave(c.slaves[k], x, v, dt, c.sights[thread]);

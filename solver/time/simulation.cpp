@@ -20,6 +20,8 @@ constexpr double metres_per_mm = 1e-3;
 // Steps between two estimates of the stiffest mode: few while it stiffens quickly (fibres at the impact, contact) and after a rollback.
 constexpr int estimate_every = 50, estimate_soon = 10;
 constexpr double quick_stiffening = 1.03;  // growth of the frequency from one estimate to the next
+constexpr double quick_loading = 1.05;     // growth of the elastic energy since the last estimate
+constexpr double room_to_stiffen = 0.7;    // share of the step that is used while it stiffens quickly
 constexpr int estimate_products = 3;
 // Of the power iteration for the elements' own critical steps: relaxation keeps a ninth of its limit, so that a few per cent do not matter.
 constexpr int relaxation_rounds = 6;
@@ -106,8 +108,11 @@ State Simulation::initial_state() {
 double Simulation::choose_step(State& state, double stop_time, std::string& limiter) {
   const Config& config = scene_.config;
   const auto start = Clock::now();
-  const bool is_estimated = state.step >= state.next_estimate;
+  const bool is_estimated = state.step >= state.next_estimate || (state.step >= state.last_estimate + estimate_soon &&
+                                                                    state.elastic_energy > quick_loading * state.energy_at_estimate);
   if (is_estimated) {
+    state.last_estimate = state.step;
+    state.energy_at_estimate = state.elastic_energy;
     const double before = state.frequency;
     // The tangent of contact belongs to these positions, also after a resume or a rollback.
     if (structure_->contact()) refresh(state);
@@ -116,11 +121,12 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
     if (coupling_ && scene_.config.flag("coupling.relaxation")) update_relaxation(state);
     const bool is_soon = state.step < state.cap_until_step || (before > 0 && state.frequency > quick_stiffening * before);
     state.next_estimate = state.step + (is_soon ? estimate_soon : estimate_every);
+    state.is_stiffening = is_soon;
   }
   times_.step_estimate += seconds_since(start);
   double dt = config.number("time.step_max");
   limiter = "step_max";
-  const double stable = state.frequency > 0 ? 2.0 / state.frequency : 1e300;
+  const double stable = state.frequency > 0 ? (state.is_stiffening ? room_to_stiffen : 1.0) * 2.0 / state.frequency : 1e300;
   if (config.number("time.safety") * stable < dt) {
     dt = config.number("time.safety") * stable;
     limiter = state.stiffest_part;
@@ -323,7 +329,7 @@ std::string Simulation::step(State& state, double stop_time) {
     state = snapshot_;
     state.dt_cap = cap;
     state.cap_until_step = state.step + cap_steps;
-    state.next_estimate = state.step;
+    state.next_estimate = state.last_estimate = state.step;
     state.rollbacks = total;
     state.rollbacks_in_a_row = in_a_row;
     snapshot_ = state;

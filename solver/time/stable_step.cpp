@@ -6,6 +6,11 @@
 
 namespace mv {
 
+namespace {
+constexpr double settled = 0.02;   // change of the squared frequency in one product at which the mode counts as found
+constexpr int products_max = 15;
+}  // namespace
+
 StableStep::StableStep(std::size_t unknowns, const FluidGrid* grid) : stiff_(unknowns), moved_(unknowns) {
   if (grid) scratch_ = FaceField(*grid);
 }
@@ -20,7 +25,8 @@ void StableStep::update(State& state, Structure& structure, const Coupling* coup
     iterations = std::max(iterations, 25);
   }
   std::array<double, 3> shares{};
-  for (int iteration = 0; iteration < iterations; ++iteration) {
+  double before = 0;
+  for (int iteration = 0; iteration < std::max(iterations, products_max); ++iteration) {
     const double norm = std::sqrt(std::inner_product(state.mode_shape.begin(), state.mode_shape.end(), state.mode_shape.begin(), 0.0));
     if (!(norm > 0)) return;
     for (double& v : state.mode_shape) v /= norm;
@@ -34,6 +40,9 @@ void StableStep::update(State& state, Structure& structure, const Coupling* coup
     const double growth = std::sqrt(std::inner_product(moved_.begin(), moved_.end(), moved_.begin(), 0.0));
     state.frequency = std::sqrt(growth);
     std::swap(state.mode_shape, moved_);
+    // Another part of the leaflets may have become the stiffest: the mode then grows from product to product.
+    if (iteration + 1 >= iterations && std::abs(growth - before) < settled * growth) break;
+    before = growth;
   }
   const std::size_t largest = static_cast<std::size_t>(std::max_element(shares.begin(), shares.end()) - shares.begin());
   static const char* const names[] = {"tissue", "chordae", "contact"};

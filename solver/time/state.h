@@ -42,7 +42,9 @@ struct State {
   std::string stiffest_part;          // what makes that mode stiff
   double dt_cap = 1e300;              // s, after a rollback
   long cap_until_step = 0;
-  long next_estimate = 0;             // step of the next estimate of `frequency`
+  long last_estimate = 0, next_estimate = 0;  // steps of the estimates of `frequency`: the last one, and at the latest the next
+  double energy_at_estimate = 0;      // J, elastic energy at the last one
+  bool is_stiffening = false;         // `frequency` grew quickly from the last estimate but one to the last
   long rollbacks = 0, rollbacks_in_a_row = 0;
   double fastest = 0;                 // m/s, largest component of a node's velocity in the last step
   double flow_step = 1e300;           // s, largest step the flow allows
