@@ -111,14 +111,16 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
   const bool is_estimated = state.step >= state.next_estimate || (state.step >= state.last_estimate + estimate_soon &&
                                                                     state.elastic_energy > quick_loading * state.energy_at_estimate);
   if (is_estimated) {
-    state.last_estimate = state.step;
-    state.energy_at_estimate = state.elastic_energy;
     const double before = state.frequency;
+    const bool is_loaded = state.elastic_energy > quick_stiffening * state.energy_at_estimate || state.step < state.cap_until_step;
     // The tangent of contact belongs to these positions, also after a resume or a rollback.
     if (structure_->contact()) refresh(state);
     if (coupling_) coupling_->bind({state.x, state.v, structure_->is_fixed()});
+    if (coupling_ && config.flag("coupling.relaxation")) update_relaxation(state);
+    if (is_loaded) stable_step_->look_at_stiff_nodes(state);
     stable_step_->update(state, *structure_, coupling_ ? &*coupling_ : nullptr, fluid_ ? &*fluid_ : nullptr, estimate_products);
-    if (coupling_ && scene_.config.flag("coupling.relaxation")) update_relaxation(state);
+    state.last_estimate = state.step;
+    state.energy_at_estimate = state.elastic_energy;
     const bool is_soon = state.step < state.cap_until_step || (before > 0 && state.frequency > quick_stiffening * before);
     state.next_estimate = state.step + (is_soon ? estimate_soon : estimate_every);
     state.is_stiffening = is_soon;

@@ -9,10 +9,30 @@ namespace mv {
 namespace {
 constexpr double settled = 0.02;   // change of the squared frequency in one product at which the mode counts as found
 constexpr int products_max = 15;
+constexpr double probe_share = 0.5;
 }  // namespace
 
 StableStep::StableStep(std::size_t unknowns, const FluidGrid* grid) : stiff_(unknowns), moved_(unknowns) {
   if (grid) scratch_ = FaceField(*grid);
+}
+
+void StableStep::look_at_stiff_nodes(State& state) {
+  if (state.relax_steps.empty() || state.mode_shape.empty()) return;
+  double shortest = 1e300;
+  for (double step : state.relax_steps)
+    if (step > 0) shortest = std::min(shortest, step);
+  const double norm = std::sqrt(std::inner_product(state.mode_shape.begin(), state.mode_shape.end(), state.mode_shape.begin(), 0.0));
+  double squared = 0;
+  std::vector<double>& probe = probe_;
+  probe.assign(state.mode_shape.size(), 0.0);
+  for (std::size_t a = 0; a < std::min(probe.size(), 3 * state.relax_steps.size()); ++a) {
+    const double step = state.relax_steps[a / 3];
+    if (step > 0) probe[a] = std::pow(shortest / step, 4) * std::sin(12.9898 * static_cast<double>(a) + 1.0);
+    squared += probe[a] * probe[a];
+  }
+  if (!(squared > 0)) return;
+  const double scale = probe_share * norm / std::sqrt(squared);
+  for (std::size_t a = 0; a < probe.size(); ++a) state.mode_shape[a] += scale * probe[a];
 }
 
 void StableStep::update(State& state, Structure& structure, const Coupling* coupling, NavierStokes* fluid, int iterations) {
