@@ -37,6 +37,9 @@ constexpr double depth_fade = 0.2;      // share of the penetration limit over w
 constexpr double turn_allowed = 0.2;
 constexpr double near_skin_share = 0.3;
 constexpr double near_turn_allowed = 0.06;
+// Both are halved, down to least_near_scale, while near pairs last for many steps, and doubled while they last for few.
+constexpr double least_near_scale = 0.1;
+constexpr int few_steps = 8, many_steps = 30;
 
 /// Velocities and inertia of a triangle, for the slip seen by an observer who turns with the master.
 struct FacetMotion {
@@ -123,7 +126,8 @@ struct SelfContact::Impl {
   // Refreshed by a search (candidates) and in between (near pairs).
   std::vector<double> x_search, x_near;  // 3 per surface node
   std::vector<Vec3> normal_near;         // per triangle
-  int steps_since_search = 0;
+  int steps_since_search = 0, steps_since_near = 0;
+  double near_scale = 1;
   bool has_candidates = false;
   bool has_new_history = false;
   std::vector<int> slaves;                     // nodes with near pairs or elastic slip
@@ -220,7 +224,7 @@ struct SelfContact::Impl {
       return static_cast<char>((squared <= near_limit * near_limit ? fresh : near_pairs) | (squared <= limit * limit ? fresh : candidates));
     };
     moved_too_far.assign(static_cast<std::size_t>(thread_count()), has_new_history ? near_pairs : fresh);
-    const double skin = 0.5 * options.skin, near_skin = near_skin_share * skin;
+    const double skin = 0.5 * options.skin, near_skin = near_scale * near_skin_share * skin, near_turn = near_scale * near_turn_allowed;
     parallel_ranges(surface.node_count(), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
       char any = 0;
       for (std::ptrdiff_t n = begin; n < end; ++n) {
@@ -234,7 +238,7 @@ struct SelfContact::Impl {
     parallel_ranges(surface.triangle_count(), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
       char any = 0;
       for (std::ptrdiff_t f = begin; f < end; ++f) {
-        any |= bits((heads[f].n - normal_near[f]).squaredNorm(), near_turn_allowed, infinity);
+        any |= bits((heads[f].n - normal_near[f]).squaredNorm(), near_turn, infinity);
         any |= bits((heads[f].n - normals[f]).squaredNorm(), infinity, turn_allowed);
       }
       moved_too_far[thread] |= any;
@@ -256,8 +260,11 @@ struct SelfContact::Impl {
   void update_near_pairs(std::span<const double> x) {
     for (int n : touched) clear_outputs(n);
     has_new_history = false;
-    near.update(surface, search, heads, x, {options.penetration_limit, p_max, lateral_growth, averaging_radius}, near_skin_share * options.skin,
-                near_turn_allowed);
+    if (steps_since_near < few_steps) near_scale = std::min(1.0, 2 * near_scale);
+    if (steps_since_near > many_steps) near_scale = std::max(least_near_scale, 0.5 * near_scale);
+    steps_since_near = 0;
+    near.update(surface, search, heads, x, {options.penetration_limit, p_max, lateral_growth, averaging_radius},
+                near_scale * near_skin_share * options.skin, near_scale * near_turn_allowed);
     for (int n = 0; n < surface.node_count(); ++n) Eigen::Map<Vec3>(x_near.data() + 3 * static_cast<std::size_t>(n)) = at(x, surface.nodes[n]);
     for (int f = 0; f < surface.triangle_count(); ++f) normal_near[f] = heads[f].n;
 
@@ -618,6 +625,7 @@ ContactResult SelfContact::evaluate(std::span<const double> x, std::span<const d
   if (searched) c.update_candidates(x);
   else if (stale & Impl::near_pairs) c.update_near_pairs(x);
   ++c.steps_since_search;
+  ++c.steps_since_near;
   c.compute_facets(x);
   c.sights.resize(std::max(c.sights.size(), static_cast<std::size_t>(thread_count())));
   parallel_ranges(static_cast<std::ptrdiff_t>(c.slaves.size()), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
