@@ -156,14 +156,11 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
   }
   // Growing slowly keeps the two-step scheme of the flow smooth.
   if (state.dt > 0) dt = std::min(dt, 1.1 * state.dt);
-  if (state.time + dt > stop_time) {
-    dt = stop_time - state.time;
-    limiter = "output";
-  } else if (state.time + 2 * dt > stop_time) {
-    dt = 0.5 * (stop_time - state.time);
-    limiter = "output";
-  }
-  return dt;
+  // Even steps to the next output: cutting the last one would leave the next ones to grow again.
+  const double left = stop_time - state.time;
+  const double count = std::ceil(left / dt - 1e-9);
+  if (count <= 1) limiter = "output";
+  return left / std::max(count, 1.0);
 }
 
 void Simulation::update_relaxation(State& state) {
