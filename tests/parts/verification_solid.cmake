@@ -10,6 +10,6 @@ if(TARGET mv_solid AND TARGET mv_contact)
       verification/contact/serpentine_test.cpp
     LIBRARIES mv_contact mv_solid LABEL verification)
   # GCC 12 warns about its own AVX-512 headers
-  target_compile_options(verification_solid PRIVATE -Wno-maybe-uninitialized)
-  target_compile_options(verification_contact PRIVATE -Wno-maybe-uninitialized)
+  target_compile_options(verification_solid PRIVATE -Wno-maybe-uninitialized -Wno-array-bounds)
+  target_compile_options(verification_contact PRIVATE -Wno-maybe-uninitialized -Wno-array-bounds)
 endif()

@@ -63,7 +63,7 @@ HertzResult press_cylinder(int n, double threshold) {
     motion.is_held[a + 1] = 1;
     if (block.lattice[static_cast<std::size_t>(i)][0] == 2 * n) motion.is_held[a] = 1;
     if (block.is_on(i, 2, 1)) motion.is_held[a] = motion.is_held[a + 2] = 1;
-    motion.x[a + 2] += threshold - approach;
+    motion.x[a + 2] += threshold - approach * node(block.mesh.points, i).z() / half_size;  // squeezed evenly, so that it just touches
   }
   for (int i = 0; i < flat.node_count(); ++i) {
     if (flat.is_on(i, 2, 1)) side[static_cast<std::size_t>(first_flat + i)] = atrial;

@@ -19,7 +19,7 @@ namespace mv::test {
 namespace {
 
 constexpr double mm = 1e-3, pi = std::numbers::pi;
-constexpr double limb = 10 * mm, turn_radius = 1 * mm, thickness = 1 * mm, width = 3 * mm;  // gaps of 1 mm between limbs of 1 mm
+constexpr double limb = 10 * mm, turn_radius = 1 * mm, thickness = 1 * mm, width = 2 * mm;  // gaps of 1 mm between limbs of 1 mm
 constexpr double total = 3 * limb + 2 * pi * turn_radius;
 
 /// Point at s along the middle line, w across (positive: the left of the way along it, up on the first limb).
@@ -80,7 +80,7 @@ Folded fold(double spacing, double travel, double friction) {
   o.friction = friction;
   motion.add_contact(o);
 
-  constexpr double closing = 15e-3, rest = 15e-3;
+  constexpr double closing = 12e-3, rest = 13e-3;
   Folded r;
   const double dt = 0.6 * motion.critical_step();  // as the solver
   const long steps = std::lround((closing + rest) / dt), every = steps / 40;
@@ -97,10 +97,12 @@ Folded fold(double spacing, double travel, double friction) {
     double scale = 0, moment_scale = 0;
     for (std::size_t k = 0; k < motion.surface().nodes.size(); ++k) {
       const Vec3 f = motion.contact().nodal_force()[k];
+      const int i = motion.surface().nodes[k];
+      const Vec3 at = node(motion.x, i) - dt * node(motion.v, i);  // where it was when the force was evaluated
       force += f;
-      moment += node(motion.x, motion.surface().nodes[k]).cross(f);
+      moment += at.cross(f);
       scale += f.norm();
-      moment_scale += node(motion.x, motion.surface().nodes[k]).norm() * f.norm();
+      moment_scale += at.norm() * f.norm();
     }
     if (!(scale > 0)) continue;
     r.imbalance = std::max(r.imbalance, force.norm() / scale);

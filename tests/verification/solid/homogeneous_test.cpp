@@ -141,7 +141,7 @@ TEST_P(Homogeneous, simple_shear) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Laws, Homogeneous, ::testing::Values(Law::neo_hookean, Law::m1, Law::m2, Law::m3, Law::ogden, Law::hgo),
-                         [](const auto& info) { return name_of(info.param); });
+                         [](const auto& law) { return name_of(law.param); });
 
 }  // namespace
 }  // namespace mv::test
