@@ -70,6 +70,12 @@ void SlabTissue::make_quadratic() {
     repeats.push_back(own.try_emplace(place_of(node), node).first->second);
     return node;
   };
+  // The first plane's edges first: their middles are the ones that are repeated.
+  for (std::size_t t = 0; t < mesh.tets.size(); t += 4)
+    for (const auto& [a, b] : edges) {
+      const int first = mesh.tets[t + static_cast<std::size_t>(a)], second = mesh.tets[t + static_cast<std::size_t>(b)];
+      if (!is_copy(first) && !is_copy(second)) middle(first, second);
+    }
   std::vector<int> quadratic;
   for (std::size_t t = 0; t < mesh.tets.size(); t += 4) {
     const int* corner = mesh.tets.data() + t;
