@@ -56,6 +56,9 @@ class Coupling {
   /// nodes being found once. `holding` (I, N, 3 per held node) is part of the state. Returns the work (J) done on the blood.
   double hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density);
 
+  /// Forces (N) of the last hold() on the blood, 3 per held node in the order of set_held().
+  std::span<const double> held_forces() const { return held_force_; }
+
   /// New velocities and positions after the blood has moved: midpoint rule, dx/dt = u(x).
   void move(const CoupledNodes& nodes, const FaceField& velocity, double dt);
 
