@@ -10,6 +10,7 @@
 #include "geometry/core/version.h"
 #include "solver/output/summary.h"
 #include "solver/report/report.h"
+#include "solver/study/commands.h"
 #include "solver/time/run.h"
 
 namespace {
@@ -58,6 +59,10 @@ int main(int argc, char** argv) {
   CLI::App* report_command = app.add_subcommand("report", "write RESULTS/report.html again from RESULTS alone");
   report_command->add_option("RESULTS", report_results, "results directory")->required();
 
+  std::string command_line = "mvsolve";
+  for (int i = 1; i < argc; ++i) command_line += " " + std::string(argv[i]);
+  const auto bench = mv::add_bench_command(app, command_line);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -70,12 +75,14 @@ int main(int argc, char** argv) {
       if (threads > 0) mv::set_thread_count(threads);
       std::signal(SIGINT, on_interrupt);
       std::signal(SIGTERM, on_interrupt);
-      for (int i = 0; i < argc; ++i) run.command_line += (i ? " " : "") + std::string(i ? argv[i] : "mvsolve");
+      run.command_line = command_line;
       run.is_interrupted = &is_interrupted;
       if (mv::run_case(run) == mv::RunEnd::interrupted) return static_cast<int>(mv::ExitCode::interrupted);
       print_summary(run.results);
     } else if (*report_command) {
       std::cout << mv::write_report(report_results).string() << "\n";
+    } else if (app.got_subcommand("bench")) {
+      bench();
     }
     return 0;
   } catch (const mv::Error& error) {
