@@ -135,7 +135,7 @@ std::string bench_csv(const BenchResult& result) {
   for (const char* name : part_names()) {
     std::string column = name;
     std::replace(column.begin(), column.end(), ' ', '_');
-    out += "," + column + "_ms";
+    out += fmt::format(",{}_ms", column);
   }
   out += ",triad_GB_s";
   for (std::size_t p = 0; p < counted_parts; ++p) out += fmt::format(",{0}_least_MB,{0}_bandwidth_share", part_names()[p]);
@@ -143,11 +143,11 @@ std::string bench_csv(const BenchResult& result) {
   for (const BenchRow& r : result.rows) {
     out += fmt::format("\"{}\",{},{},{},{},{},{},{},{},{}", r.scene, r.threads, r.size.cells, r.size.grid_values, r.size.nodes, r.size.elements, r.size.surface_nodes,
                        r.size.candidate_pairs, format_number(r.timing.dt), format_number(1e3 * r.timing.wall));
-    for (double s : r.timing.part) out += "," + format_number(1e3 * s);
-    out += "," + format_number(1e-9 * r.triad);
-    for (std::size_t p = 0; p < counted_parts; ++p) out += "," + format_number(1e-6 * r.bytes[p]) + "," + (std::isfinite(r.share[p]) ? format_number(r.share[p]) : "");
-    out += "," + (std::isfinite(r.share_total) ? format_number(r.share_total) : "") + "," + format_number(r.timing.spread) + "," + format_number(r.x_difference) + "," +
-           format_number(r.u_difference) + "," + format_number(r.p_difference) + "\n";
+    auto cell = [](double value) { return std::isfinite(value) ? format_number(value) : std::string(); };
+    for (double s : r.timing.part) out += fmt::format(",{}", cell(1e3 * s));
+    out += fmt::format(",{}", cell(1e-9 * r.triad));
+    for (std::size_t p = 0; p < counted_parts; ++p) out += fmt::format(",{},{}", cell(1e-6 * r.bytes[p]), cell(r.share[p]));
+    out += fmt::format(",{},{},{},{},{}\n", cell(r.share_total), cell(r.timing.spread), cell(r.x_difference), cell(r.u_difference), cell(r.p_difference));
   }
   return out;
 }

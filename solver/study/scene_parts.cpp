@@ -75,7 +75,10 @@ std::vector<ScenePart> time_scene_parts(const std::filesystem::path& case_direct
   State full;
   if (given) full = *given;
   for (const Variant& variant : variants) {
-    ScenePart row{variant.name, variant.setting, variant.part, {}, ""};
+    ScenePart row;
+    row.name = variant.name;
+    row.setting = variant.setting;
+    row.part = variant.part;
     try {
       Simulation simulation(load_scene(case_directory, split(variant.setting)));
       if (rows.empty() && !given) full = bring_to(simulation, at);
@@ -98,19 +101,19 @@ std::string scene_parts_csv(const std::vector<ScenePart>& parts) {
     std::string column = name;
     for (char& c : column)
       if (c == ' ') c = '_';
-    out += "," + column + "_ms";
+    out += fmt::format(",{}_ms", column);
   }
   out += ",less_than_full_ms,repeat_spread_percent\n";
   for (const ScenePart& p : parts) {
     out += p.name.find(',') != std::string::npos ? "\"" + p.name + "\"" : p.name;
-    out += "," + p.setting;
+    out += fmt::format(",{}", p.setting);
     if (!p.failure.empty()) {
       out += std::string(part_count + 3, ',') + "\n";
       continue;
     }
-    out += "," + format_number(1e3 * p.timing.wall);
-    for (double s : p.timing.part) out += "," + format_number(1e3 * s);
-    out += "," + format_number(1e3 * (parts.front().timing.wall - p.timing.wall)) + "," + format_number(100 * p.timing.spread) + "\n";
+    out += fmt::format(",{}", format_number(1e3 * p.timing.wall));
+    for (double s : p.timing.part) out += fmt::format(",{}", format_number(1e3 * s));
+    out += fmt::format(",{},{}\n", format_number(1e3 * (parts.front().timing.wall - p.timing.wall)), format_number(100 * p.timing.spread));
   }
   return out;
 }
@@ -137,7 +140,7 @@ std::string scene_parts_html(const std::vector<ScenePart>& parts) {
                      is_full ? "" : html::number(1e3 * full.part[p.part]) + " ms", is_full ? "" : html::number(1e3 * p.timing.part[p.part]) + " ms",
                      html::number(std::round(100 * p.timing.spread)) + " %"});
   }
-  return "<p class=\"lead\">One closed valve, advanced by the same number of steps with each part switched off. A part that is off must leave nothing behind: "
+  return "<p class=\"lead\">One closed valve, one thread, advanced by the same number of steps with each part switched off. A part that is off must leave nothing behind: "
          "the columns compare what its part of the step costs with and without it. Friction, fibres and distortion control are terms inside a part, not parts.</p>\n<figure>" +
          svg(bars) + "</figure>\n" + html::table(table, true);
 }
