@@ -28,6 +28,7 @@ void closest_gaps(const ContactSurface& s, const CandidateSearch& rule, std::spa
   const double max_distance = query.max_distance, penetration_limit = query.penetration_limit;
   const bool atrial_only = query.atrial_only;
   const int nodes = s.node_count(), triangles = s.triangle_count();
+  const std::vector<int> last = out.triangle;
   out.gap.assign(s.nodes.size(), infinity);
   out.point.assign(s.nodes.size(), Vec3::Zero());
   out.triangle.assign(s.nodes.size(), -1);
@@ -84,8 +85,11 @@ void closest_gaps(const ContactSurface& s, const CandidateSearch& rule, std::spa
       best_point = facet.a + q.b1 * facet.e1 + q.b2 * facet.e2;
       best_height = height;
     };
-    const int guess = guesses.empty() ? -1 : guesses[n];
-    if (guess >= 0 && (!atrial_only || s.triangle_side[guess] > 0)) measure(guess, head_of(guess));
+    const auto try_guess = [&](int f) {
+      if (f >= 0 && f < triangles && (!atrial_only || s.triangle_side[f] > 0)) measure(f, head_of(f));
+    };
+    if (!guesses.empty()) try_guess(guesses[n]);
+    if (last.size() == s.nodes.size()) try_guess(last[n]);
     const auto visit = [&](int k) {
       const contact::FacetHead& head = heads[k];
       const double within = best_distance + head.size;
@@ -106,8 +110,8 @@ void closest_gaps(const ContactSurface& s, const CandidateSearch& rule, std::spa
           const bool shell = std::abs(k - home[2]) == ring || std::abs(j - home[1]) == ring;
           const auto run = [&](int from, int to) {
             if (from > to) return;
-            grid.for_runs({from, j, k}, {to, j, k}, [&](int first, int last) {
-              for (int q = first; q < last; ++q) visit(q);
+            grid.for_runs({from, j, k}, {to, j, k}, [&](int first, int end) {
+              for (int q = first; q < end; ++q) visit(q);
             });
           };
           if (shell) {

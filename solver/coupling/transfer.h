@@ -18,7 +18,7 @@ class Transfer {
  public:
   Transfer(const FluidGrid& grid, const TubeWall& wall, Kernel kernel);
 
-  /// Sorts the points into z-slabs; must be called when positions changed. `positions`: xyz interleaved (m, tube frame), only the
+  /// Sorts the points into rows of cells along x; must be called when positions changed. `positions`: xyz interleaved (m, tube frame), only the
   /// points listed in `active` take part. Points whose kernel leaves the box are skipped; their number is returned.
   int bind(std::span<const double> positions, std::span<const int> active);
 
@@ -40,9 +40,9 @@ class Transfer {
   std::array<std::vector<double>, 3> open_;  // per component, 2-D masks
   bool has_wall_;
   Kernel kernel_;
-  std::vector<int> order_;                   // bound points sorted by slab
+  std::vector<int> order_;                   // bound points sorted by slab and row: neighbours share cache lines
   std::vector<int> slab_start_;              // nz + 1
-  std::vector<int> slab_of_;
+  std::vector<int> row_start_, row_of_;      // scratch of bind()
   std::vector<double> scaled_;               // positions of order_ in cells, xyz interleaved
 };
 

@@ -43,7 +43,7 @@ struct LeafletSolid::Data {
   template <int N>
   void run_tile(const Tile& tile, const double* x, BlockSums& sums);
   template <int N>
-  double tile_step(const Tile& tile, const double* x, std::span<double> element_steps) const;
+  double tile_step(const Tile& tile, const double* x, std::span<double> element_steps, int rounds) const;
   void collect_statistics();
 };
 
@@ -271,8 +271,7 @@ void LeafletSolid::forces_directional(std::span<const double> x, std::span<const
 
 /// Power iteration on M_e^(-1/2) K_e M_e^(-1/2) of eight elements at a time, K_e by central differences of the element forces.
 template <int N>
-double LeafletSolid::Data::tile_step(const Tile& tile, const double* x, std::span<double> element_steps) const {
-  constexpr int rounds = 16;
+double LeafletSolid::Data::tile_step(const Tile& tile, const double* x, std::span<double> element_steps, int rounds) const {
   constexpr double relative_displacement = 1e-6;
   alignas(64) double position[4 * tile_nodes_max];
   load_tile_nodes(blocks, tile, x, position);
@@ -333,14 +332,14 @@ double LeafletSolid::Data::tile_step(const Tile& tile, const double* x, std::spa
   return shortest;
 }
 
-double LeafletSolid::critical_step(std::span<const double> x, std::span<double> element_steps) {
+double LeafletSolid::critical_step(std::span<const double> x, std::span<double> element_steps, int rounds) {
   Data& d = *data_;
   assert(element_steps.empty() || static_cast<long>(element_steps.size()) == d.blocks.element_count);
   parallel_for(
       static_cast<std::ptrdiff_t>(d.blocks.tiles.size()),
       [&](std::ptrdiff_t t) {
-        d.tile_steps[t] = d.blocks.nodes == 10 ? d.tile_step<10>(d.blocks.tiles[t], x.data(), element_steps)
-                                               : d.tile_step<4>(d.blocks.tiles[t], x.data(), element_steps);
+        d.tile_steps[t] = d.blocks.nodes == 10 ? d.tile_step<10>(d.blocks.tiles[t], x.data(), element_steps, rounds)
+                                               : d.tile_step<4>(d.blocks.tiles[t], x.data(), element_steps, rounds);
       },
       2);
   return *std::min_element(d.tile_steps.begin(), d.tile_steps.end());

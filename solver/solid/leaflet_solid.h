@@ -66,7 +66,7 @@ class LeafletSolid {
   /// 2 / sqrt(lambda_max(M_e^-1 K_e)) with the current tangent, distortion control included; a lower bound of the assembled step
   /// but for the power iteration (16 rounds; a few per cent). Costs about 30 force evaluations: call it every 50 or 100 steps.
   /// `element_steps`, when not empty, receives the value of each element.
-  double critical_step(std::span<const double> x, std::span<double> element_steps = {});
+  double critical_step(std::span<const double> x, std::span<double> element_steps = {}, int rounds = 16);
 
   /// Reference volume (m3) and mass (kg) per node: V/4 to each node of a linear tetrahedron; V/36 to each corner and 4V/27 to
   /// each midpoint of a quadratic one (HRZ: diagonal of the consistent mass, scaled). All positive; their sum is the total.
