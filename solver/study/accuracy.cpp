@@ -94,7 +94,7 @@ std::string accuracy_text(const AccuracyResult& result) {
     out += row.failure.empty() ? "\n" : "  " + row.failure + "\n";
   }
   for (const RecommendedSettings& e : result.recommended)
-    out += e.run.empty() ? fmt::format("{:g} %: no run gives any quantity within it\n", e.asked_percent)
+    out += e.run.empty() ? fmt::format("{:g} %: no run can be used\n", e.asked_percent)
                          : fmt::format("{:g} %: {} ({:.0f} s) gives {} of {} quantities within it: {}\n", e.asked_percent, e.run, e.seconds, e.met.size(), t.quantities.size(), fmt::join(e.met, ", "));
   return out;
 }

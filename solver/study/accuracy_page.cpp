@@ -24,6 +24,17 @@ Marker marker_of(const std::string& axis) {
   return Marker::diamond;
 }
 
+double median_of(std::vector<double> values) {
+  std::erase_if(values, [](double v) { return !std::isfinite(v); });
+  return values.empty() ? std::nan("") : median(values);
+}
+
+std::vector<CostError> median_errors(const StudyTable& t) {
+  std::vector<CostError> points;
+  for (const StudyRow& row : t.rows) points.push_back({row.seconds, row.is_usable() ? median_of(row.errors) : std::nan("")});
+  return points;
+}
+
 /// Colour by fluid spacing, coarse to fine.
 std::map<double, std::string> colours_of(const StudyTable& table) {
   std::map<double, std::string> out;
@@ -43,7 +54,7 @@ std::string key_of(const StudyTable& table) {
 std::string recommendation_section(const AccuracyResult& result) {
   std::map<std::string, std::string> titles;
   for (const StudyQuantity& q : result.closure.quantities) titles[q.name] = q.title;
-  std::vector<std::vector<std::string>> table{{"asked error", "run", "tube.spacing", "mesh.spacing", "run settings", "seconds, one thread", "within it", "not within it (smallest error of any run)"}};
+  std::vector<std::vector<std::string>> table{{"asked error", "run", "tube.spacing", "mesh.spacing", "run settings", "seconds, one thread", "within it", "not within it (its error)"}};
   for (const RecommendedSettings& e : result.recommended) {
     std::string met, not_met;
     for (const std::string& name : e.met) met += (met.empty() ? "" : ", ") + escape(titles[name]);
@@ -54,8 +65,8 @@ std::string recommendation_section(const AccuracyResult& result) {
                      !is_there ? "" : e.settings.empty() ? "defaults" : "<code>" + escape(fmt::format("{}", fmt::join(e.settings, ", "))) + "</code>", is_there ? html::number(e.seconds) : "",
                      met.empty() ? "–" : met, not_met.empty() ? "–" : not_met});
   }
-  std::string out = "<p class=\"lead\">For each asked error the run that gives most quantities within it, and of those the cheapest. An error here is the distance to the reference and the reference's own "
-                    "uncertainty together. <code>mvsolve run CASE -o RESULTS --accuracy 2%</code> uses the table that is built into the program and refuses a case that is too coarse.</p>\n" +
+  std::string out = "<p class=\"lead\">For each asked error the cheapest run that gives every quantity within it, or nearly as well as any run does where none reaches it. An error here is the distance to the "
+                    "reference and the reference's own uncertainty together. <code>mvsolve run CASE -o RESULTS --accuracy 2%</code> uses the table that is built into the program and refuses a case that is too coarse.</p>\n" +
                     html::table(table, true);
   std::size_t at = 0;
   // The two columns of names may wrap.
@@ -68,11 +79,18 @@ std::string recommendation_section(const AccuracyResult& result) {
 }
 
 std::string reference_section(const StudyTable& t) {
-  std::vector<std::vector<std::string>> table{{"quantity", "reference", "uncertainty", "observed order", "what it is"}};
-  for (const StudyQuantity& q : t.quantities)
-    table.push_back({escape(q.title), html::number(q.reference) + " " + escape(q.unit), percent(q.uncertainty_percent), std::isfinite(q.order) ? html::number(q.order, 2) : "not monotone", escape(q.how)});
+  std::vector<std::vector<std::string>> table{{"quantity", "reference", "uncertainty", "observed order", "2 % expected at", "what it is"}};
+  double finest = 1e300;
+  for (const StudyRow& row : t.rows)
+    if (row.axis == "resolution" && row.has_values) finest = std::min(finest, row.mesh.fluid_mm);
+  for (const StudyQuantity& q : t.quantities) {
+    const double spacing = finest * std::pow(2 / q.uncertainty_percent, 1 / std::clamp(q.order, 0.5, 2.0));
+    table.push_back({escape(q.title), html::number(q.reference) + " " + escape(q.unit), percent(q.uncertainty_percent), std::isfinite(q.order) ? html::number(q.order, 2) : "not monotone",
+                     q.uncertainty_percent <= 2 ? "reached" : std::isfinite(spacing) ? html::number(spacing, 2) + " mm" : "–", escape(q.how)});
+  }
   return "<p class=\"lead\">The reference is the finest resolution. What it still lacks is estimated from the three finest ones: with values that approach a limit, 1.25 times the distance to Richardson's limit, the "
-         "order kept between 0.5 and 2; otherwise the range of the three. It is part of every error on this page.</p>\n" +
+         "order kept between 0.5 and 2; otherwise the range of the three. It is part of every error on this page. The fluid spacing at which the "
+         "uncertainty would fall to 2 % continues the observed order and is a guess.</p>\n" +
          html::table(table, true);
 }
 
@@ -85,19 +103,23 @@ std::string runs_table(const StudyTable& t, bool is_errors) {
   for (std::size_t q = 0; q < t.quantities.size(); ++q) fronts.push_back(pareto_front(cost_errors(t, q)));
   for (std::size_t r = 0; r < t.rows.size(); ++r) {
     const StudyRow& row = t.rows[r];
-    table.push_back({"<code>" + escape(row.run) + "</code>", escape(row.what), row.seconds > 0 ? html::number(row.seconds) : "–"});
+    if (!row.has_values) continue;
+    table.push_back({"<code>" + escape(row.run) + "</code>", escape(row.what), html::number(row.seconds)});
     for (std::size_t q = 0; q < t.quantities.size(); ++q) {
-      if (!row.has_values) {
-        table.back().push_back("–");
-        continue;
-      }
       const std::string text = is_errors ? (std::isfinite(row.errors[q]) ? fmt::format("{:.2g}", row.errors[q]) : "–") : html::number(row.values[q], 4);
       const bool is_on_front = std::find(fronts[q].begin(), fronts[q].end(), r) != fronts[q].end();
       table.back().push_back(is_errors && is_on_front ? "<strong>" + text + "</strong>" : text);
     }
     table.back().push_back(escape(row.failure));
   }
-  return html::table(table, true);
+  return "<div class=\"dense\">" + html::table(table, true) + "</div>\n";
+}
+
+std::string left_out(const StudyTable& t) {
+  std::string out;
+  for (const StudyRow& row : t.rows)
+    if (!row.has_values) out += "<li><code>" + escape(row.run) + "</code>, " + escape(row.what) + ": " + escape(row.failure) + "</li>\n";
+  return out.empty() ? "" : "<h3>Runs without numbers</h3>\n<ul>" + out + "</ul>\n";
 }
 
 /// What a single setting changes: values against the baseline of the same mesh, seconds as a ratio.
@@ -119,7 +141,7 @@ std::string effects_section(const StudyTable& t) {
   }
   return "<p class=\"lead\">What one setting changes against the run with the same mesh and the default settings, and how its time compares. A change far below the resolution's own error buys nothing; a setting that is "
          "faster and changes no more than that is worth taking.</p>\n" +
-         (table.size() > 1 ? html::table(table, true) : html::missing("No run with other settings."));
+         (table.size() > 1 ? "<div class=\"dense\">" + html::table(table, true) + "</div>\n" : html::missing("No run with other settings."));
 }
 
 std::string closure_section(const AccuracyResult& result, const AccuracyOptions& options) {
@@ -130,7 +152,7 @@ std::string closure_section(const AccuracyResult& result, const AccuracyOptions&
       1e3 * options.ladder.end, 1e3 * options.ladder.window);
   out += key_of(t) + "<figure class=\"panels\">" + front_figure(t) + "</figure>\n";
   out += "<h3>Error of every run, per cent (bold: on the front)</h3>\n" + runs_table(t, true);
-  out += html::details("Values of every run", runs_table(t, false));
+  out += left_out(t) + html::details("Values of every run", runs_table(t, false));
   return out;
 }
 
@@ -139,7 +161,8 @@ std::string known_section(const StudyTable& t) {
   std::vector<std::vector<std::string>> references{{"quantity", "right answer", "its uncertainty"}};
   for (const StudyQuantity& q : t.quantities)
     references.push_back({escape(q.title), html::number(q.reference, 5) + " " + escape(q.unit), q.uncertainty_percent == 0 ? "exact" : percent(q.uncertainty_percent)});
-  return out + html::table(references, true) + "<h3>Error of every run, per cent (bold: on the front)</h3>\n" + runs_table(t, true) + html::details("Values of every run", runs_table(t, false));
+  return out + html::table(references, true) + "<h3>Error of every run, per cent (bold: on the front)</h3>\n" + runs_table(t, true) + left_out(t) +
+         html::details("Values of every run", runs_table(t, false));
 }
 
 std::string revision_note(const StudyTable& t) {
@@ -155,24 +178,28 @@ std::string revision_note(const StudyTable& t) {
 std::string front_figure(const StudyTable& t) {
   std::string out;
   const auto colours = colours_of(t);
-  for (std::size_t q = 0; q < t.quantities.size(); ++q) {
-    const StudyQuantity& quantity = t.quantities[q];
-    const std::vector<std::size_t> front = pareto_front(cost_errors(t, q));
+  for (std::size_t panel = 0; panel <= t.quantities.size(); ++panel) {
+    // The first panel is the median of all quantities.
+    const std::size_t q = panel - 1;
+    if (panel == 0 && t.quantities.size() < 4) continue;
+    const std::vector<CostError> points = panel == 0 ? median_errors(t) : cost_errors(t, q);
+    auto error_of = [&](std::size_t r) { return panel == 0 ? median_of(t.rows[r].errors) : t.rows[r].errors[q]; };
+    const std::vector<std::size_t> front = pareto_front(points);
     Plot plot;
-    plot.title = quantity.title;
+    plot.title = panel == 0 ? "Median of all quantities" : t.quantities[q].title;
     plot.x_label = "seconds";
     plot.y_label = "error, %";
     plot.levels = {5, 2, 1};
     plot.smallest_y = 1e-3;
     PlotLine line;
     line.colour = "#59626d";
-    for (std::size_t r : front) line.points.emplace_back(t.rows[r].seconds, t.rows[r].errors[q]);
+    for (std::size_t r : front) line.points.emplace_back(t.rows[r].seconds, error_of(r));
     plot.lines.push_back(line);
     for (std::size_t r = 0; r < t.rows.size(); ++r) {
       const StudyRow& row = t.rows[r];
-      if (!row.has_values || !std::isfinite(row.errors[q])) continue;
+      if (!row.has_values || !std::isfinite(error_of(r))) continue;
       const bool is_marked = std::find(front.begin(), front.end(), r) != front.end();
-      plot.points.push_back({row.seconds, row.errors[q], fmt::format("{}: {}; {:.3g} %, {:.3g} s{}", row.run, row.what, row.errors[q], row.seconds, row.failure.empty() ? "" : "; " + row.failure), "",
+      plot.points.push_back({row.seconds, error_of(r), fmt::format("{}: {}; {:.3g} %, {:.3g} s{}", row.run, row.what, error_of(r), row.seconds, row.failure.empty() ? "" : "; " + row.failure), "",
                              colours.at(-row.mesh.fluid_mm), row.failure.empty() ? marker_of(row.axis) : Marker::cross, is_marked});
     }
     out += svg(plot);

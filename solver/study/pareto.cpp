@@ -28,31 +28,29 @@ Recommendation recommend(const std::vector<RunErrors>& runs, double asked) {
   Recommendation out;
   out.asked = asked;
   const std::size_t quantities = runs.empty() ? 0 : runs.front().errors.size();
-  auto meets = [&](std::size_t r, std::size_t q) { return runs[r].errors[q] <= asked; };  // false for NaN
+  std::vector<double> target;
+  for (std::size_t q = 0; q < quantities; ++q) {
+    double best = std::numeric_limits<double>::quiet_NaN();
+    int cheapest = -1;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+      const double error = runs[r].errors[q];
+      if (std::isfinite(error) && !(error >= best)) best = error;
+      if (error <= asked && (cheapest < 0 || runs[r].seconds < runs[static_cast<std::size_t>(cheapest)].seconds)) cheapest = static_cast<int>(r);
+    }
+    out.best_error.push_back(best);
+    out.cheapest.push_back(cheapest);
+    target.push_back(std::isfinite(best) ? std::max(asked, recommendation_slack * best) : asked);
+  }
   std::size_t most = 0;
   for (std::size_t r = 0; r < runs.size(); ++r) {
     std::size_t count = 0;
-    for (std::size_t q = 0; q < quantities; ++q) count += meets(r, q);
+    for (std::size_t q = 0; q < quantities; ++q) count += runs[r].errors[q] <= target[q];  // false for NaN
     const bool is_better = count > most || (count == most && count > 0 && runs[r].seconds < runs[static_cast<std::size_t>(out.run)].seconds);
     if (!is_better) continue;
     most = count;
     out.run = static_cast<int>(r);
   }
-  for (std::size_t q = 0; q < quantities; ++q) {
-    int cheapest = -1;
-    double best = std::numeric_limits<double>::quiet_NaN();
-    for (std::size_t r = 0; r < runs.size(); ++r) {
-      if (std::isfinite(runs[r].errors[q]) && !(runs[r].errors[q] >= best)) best = runs[r].errors[q];
-      if (meets(r, q) && (cheapest < 0 || runs[r].seconds < runs[static_cast<std::size_t>(cheapest)].seconds)) cheapest = static_cast<int>(r);
-    }
-    out.cheapest.push_back(cheapest);
-    if (out.run >= 0 && meets(static_cast<std::size_t>(out.run), q)) {
-      out.met.push_back(q);
-    } else {
-      out.not_met.push_back(q);
-      out.best_error.push_back(best);
-    }
-  }
+  for (std::size_t q = 0; q < quantities; ++q) (out.run >= 0 && runs[static_cast<std::size_t>(out.run)].errors[q] <= asked ? out.met : out.not_met).push_back(q);
   return out;
 }
 

@@ -29,14 +29,18 @@ struct RunErrors {
 /// What to run for an asked error.
 struct Recommendation {
   double asked = 0;                   // per cent
-  int run = -1;                       // index of the cheapest run that meets most, -1 when no run meets anything
+  int run = -1;                       // index of the run, -1 when no run gives any quantity
   std::vector<std::size_t> met;       // quantities this run gives within the asked error
-  std::vector<std::size_t> not_met;   // the others ...
-  std::vector<double> best_error;     // ... and the smallest error of any run, per cent (NaN: no run gives it)
-  std::vector<int> cheapest;          // per quantity the cheapest run that meets it alone, -1 for none
+  std::vector<std::size_t> not_met;   // the others
+  std::vector<double> best_error;     // per quantity the smallest error of any run, per cent (NaN: no run gives it)
+  std::vector<int> cheapest;          // per quantity the cheapest run within the asked error, -1 for none
 };
 
-/// Of all runs the one that gives most quantities within the asked error, of those the cheapest. Deterministic: of equal runs the first.
+/// A quantity that no run gives within the asked error is wanted as good as the runs have it, within this factor.
+inline constexpr double recommendation_slack = 1.25;
+
+/// The target of a quantity is the asked error, or `recommendation_slack` times the smallest error of any run where that is larger. Of all runs the one that meets most
+/// targets, of those the cheapest; of equal ones the first. So a cheap run is not preferred because most quantities are out of reach anyway.
 Recommendation recommend(const std::vector<RunErrors>& runs, double asked);
 
 }  // namespace mv

@@ -39,7 +39,8 @@ std::vector<RecommendedSettings> recommended_settings(const StudyTable& closure)
     RecommendedSettings entry;
     entry.asked_percent = asked;
     for (std::size_t q : found.met) entry.met.push_back(closure.quantities[q].name);
-    for (std::size_t i = 0; i < found.not_met.size(); ++i) entry.not_met.emplace_back(closure.quantities[found.not_met[i]].name, found.best_error[i]);
+    for (std::size_t q : found.not_met)
+      entry.not_met.emplace_back(closure.quantities[q].name, found.run >= 0 ? runs[static_cast<std::size_t>(found.run)].errors[q] : std::nan(""));
     if (found.run >= 0) {
       const StudyRow& row = closure.rows[static_cast<std::size_t>(found.run)];
       entry.run = row.run;
@@ -65,7 +66,7 @@ std::string recommended_toml(const std::vector<RecommendedSettings>& table, cons
     out += "not_met = {";
     for (std::size_t i = 0; i < e.not_met.size(); ++i)
       out += fmt::format("{} {} = {}", i ? "," : "", e.not_met[i].first, std::isfinite(e.not_met[i].second) ? fmt::format("{:.3g}", e.not_met[i].second) + (e.not_met[i].second >= 100 ? ".0" : "") : "nan");
-    out += e.not_met.empty() ? "}\n" : " }   # smallest error of the ladder, per cent\n";
+    out += e.not_met.empty() ? "}\n" : " }   # error of this run, per cent\n";
   }
   return out;
 }
@@ -102,10 +103,10 @@ const RecommendedSettings& entry_for(const std::vector<RecommendedSettings>& tab
     if (e.asked_percent <= asked_percent * (1 + 1e-9) && (!found || e.asked_percent > found->asked_percent)) found = &e;
   }
   if (!found) throw ConfigError(fmt::format("--accuracy {:g}%: the recorded ladder goes down to {:g}%; see 'mvsolve accuracy --help' to measure a finer one", asked_percent, smallest));
-  if (found->run.empty()) {
+  if (found->met.empty()) {
     std::string best;
     for (const auto& [name, error] : found->not_met) best += fmt::format("{}{} {}", best.empty() ? "" : ", ", name, percent_text(error));
-    throw ConfigError(fmt::format("--accuracy {:g}%: no run of the recorded ladder gives any quantity within {:g}%; smallest errors: {}. Ask for a larger error, or measure a finer ladder with "
+    throw ConfigError(fmt::format("--accuracy {:g}%: the recorded ladder gives no quantity within {:g}%; errors of its best run: {}. Ask for a larger error, or measure a finer ladder with "
                                   "'mvsolve accuracy'",
                                   asked_percent, found->asked_percent, best));
   }
@@ -128,7 +129,7 @@ std::vector<std::string> settings_for_accuracy(const std::filesystem::path& case
   if (!entry.not_met.empty()) {
     std::string list;
     for (const auto& [name, error] : entry.not_met) list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", name, percent_text(error));
-    spdlog::warn("not within {:g}% (smallest error that the recorded ladder reached): {}", entry.asked_percent, list);
+    spdlog::warn("not within {:g}% (with its error there): {}", entry.asked_percent, list);
   }
   return entry.settings;
 }

@@ -15,13 +15,13 @@ namespace mv {
 /// The cheapest settings for one asked error.
 struct RecommendedSettings {
   double asked_percent = 0;
-  std::string run;                        // of the ladder; empty when no run gives any quantity within the asked error
+  std::string run;                        // of the ladder; empty when no run gives any quantity
   double fluid_mm = 0, solid_mm = 0;      // largest spacings of the case
   int order = 1;
   std::vector<std::string> settings;      // key=value of the run
   double seconds = 0;                     // processor time of that run
   std::vector<std::string> met;           // quantities within the asked error
-  std::vector<std::pair<std::string, double>> not_met;  // the others with the smallest error (per cent) that a run of the ladder reached; NaN: none
+  std::vector<std::pair<std::string, double>> not_met;  // the others with this run's error (per cent), NaN: it does not give it
 };
 
 /// The errors that are asked for.
@@ -42,7 +42,7 @@ const std::vector<RecommendedSettings>& recommended_table();
 double parse_percent(const std::string& text);
 
 /// The entry for an asked error: that of the largest listed error not above it. Throws ConfigError when the error is below all listed ones, or
-/// when the entry gives no quantity within it.
+/// when the entry has no quantity within it.
 const RecommendedSettings& entry_for(const std::vector<RecommendedSettings>& table, double asked_percent);
 
 /// The run's settings for a case; logs what they promise and what they do not. Throws ConfigError, with the settings of mvprep that are

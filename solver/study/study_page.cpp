@@ -36,7 +36,7 @@ std::string study_page(const std::string& title, const std::string& lead, const 
   std::string page = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
                      html::escape(title) + "</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>\n" + std::string(assets::style_css) +
                      "svg text { font-family: inherit; } .panels { display: flex; flex-wrap: wrap; gap: 14px 10px; } svg { max-width: 100%; height: auto; }\n"
-                     "th, td { white-space: nowrap; } td.wrap { white-space: normal; min-width: 22ch; }\n"
+                     "th { vertical-align: bottom; } td { white-space: nowrap; } td.wrap { white-space: normal; min-width: 24ch; } .dense th, .dense td { padding-right: 9px; font-size: 12.5px; }\n"
                      "</style>\n</head>\n<body>\n<main>\n<header><h1>" +
                      html::escape(title) + "</h1></header>\n<p>" + lead + "</p>\n<nav class=\"screen-only\">";
   for (const PageSection& s : sections) page += "<a href=\"#" + s.id + "\">" + html::escape(s.title) + "</a>";

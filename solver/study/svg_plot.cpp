@@ -33,7 +33,7 @@ struct Axis {
     std::vector<double> out;
     if (is_log) {
       const double decades = std::log10(high / low);
-      const std::vector<double> steps = decades > 4 ? std::vector<double>{1} : decades > 1.7 ? std::vector<double>{1, 3} : std::vector<double>{1, 2, 5};
+      const std::vector<double> steps = decades > 4 ? std::vector<double>{1} : decades > 1.7 ? std::vector<double>{1, 3} : decades > 0.7 ? std::vector<double>{1, 2, 5} : std::vector<double>{1, 1.5, 2, 3, 4, 5, 6, 8};
       for (int e = static_cast<int>(std::floor(std::log10(low))); e <= static_cast<int>(std::ceil(std::log10(high))); ++e)
         for (double s : steps)
           if (const double t = s * std::pow(10.0, e); t >= low * 0.999 && t <= high * 1.001) out.push_back(t);
@@ -175,7 +175,7 @@ std::string svg(const Plot& plot) {
 }
 
 std::string svg(const StackedBars& bars) {
-  constexpr int name_width = 190, value_width = 90, bar = 18, gap = 8, head = 44;
+  constexpr int name_width = 230, value_width = 90, bar = 18, gap = 8, head = 44;
   double longest = 0;
   for (const auto& [name, shares] : bars.rows) {
     double sum = 0;
