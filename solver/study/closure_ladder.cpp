@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "geometry/core/case_files.h"
+#include "geometry/core/config.h"
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
 #include "solver/output/summary.h"
@@ -26,10 +27,10 @@ using Clock = std::chrono::steady_clock;
 constexpr double systole = 0.3;  // s
 constexpr const char* resolution_axis = "resolution";
 
-/// What makes two runs the same.
+/// What makes two runs the same; not which revision made the case.
 std::string hash_of(const fs::path& case_directory, const std::vector<std::string>& settings) {
-  std::string text;
-  for (const char* file : {"case.toml", "leaflets.vtu", "chordae.vtp", "tube.vtu", "annulus.vtp", "papillary.vtp"}) text += sha256_of_file(case_directory / file) + "\n";
+  std::string text = Config::from_file(case_directory / "case.toml").to_toml();
+  for (const char* file : {"leaflets.vtu", "chordae.vtp", "tube.vtu", "annulus.vtp", "papillary.vtp"}) text += sha256_of_file(case_directory / file) + "\n";
   for (const std::string& s : settings) text += s + "\n";
   return sha256(text);
 }
