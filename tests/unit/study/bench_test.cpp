@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "geometry/core/parallel.h"
@@ -85,8 +86,14 @@ TEST(Bench, triad_is_a_plausible_bandwidth) {
 }
 
 TEST(Bench, a_part_that_is_off_leaves_no_time_behind) {
-  const std::vector<ScenePart> parts{{"full scene", "", 0, {}, ""}, {"no <blood>", "fluid.enabled=false", 0, {}, ""}, {"no fibres", "fibers.model=none", 2, {}, "elements are inverted"}};
-  auto rows = parts;
+  std::vector<ScenePart> rows(3);
+  rows[0].name = "full scene";
+  rows[1].name = "no <blood>";
+  rows[1].setting = "fluid.enabled=false";
+  rows[2].name = "no fibres";
+  rows[2].setting = "fibers.model=none";
+  rows[2].part = 2;
+  rows[2].failure = "elements are inverted";
   rows[0].timing.wall = 4e-3;
   rows[0].timing.part = {1e-3, 2e-3, 1e-3, 0, 0, 0, 0};
   rows[1].timing.wall = 1e-3;
