@@ -66,6 +66,13 @@ const Row rows[] = {
     {"chordae.coaptation_depth", "length", "5 mm", "0 mm .. 50 mm", "depth below the annulus at which the closed leaflets meet; rest lengths follow from it; scaled with the pattern"},
     {"chordae.removed", "integer[]", "[]", "0 ..", "indices of chordae to leave out, as a rupture"},
 
+    {"chordae.cut", "integer[]", "[]", "0 ..", "segments (cells of chordae.vtp, columns of chordae.csv, counted from 0) that are cut during the run"},
+    {"chordae.cut_time", "time", "0 s", "0 s ..", "time at which they are cut"},
+
+    {"papillary.displacement", "length[3]", "[0 mm, 0 mm, 0 mm]", "-50 mm .. 50 mm", "movement of the papillary tips in the files' frame, reached at move_start + move_time and kept"},
+    {"papillary.move_start", "time", "0 s", "0 s ..", "time at which the papillary tips start to move"},
+    {"papillary.move_time", "time", "20 ms", "0 s ..", "duration of their movement, along a cosine; 0 s: at once"},
+
     {"fibers.model", "choice arc|parallel|none", "arc", "", "collagen fibre directions: arcs from side to side, parallel to the annulus, none (isotropic)"},
 
     {"tube.length_ventricle", "length", "40 mm", "1 mm .. 500 mm", "length of the blood tube on the ventricular side of the annulus plane"},
@@ -83,7 +90,7 @@ const Row rows[] = {
 
     {"fluid.enabled", "flag", "true", "", "false puts the pressure straight on the ventricular face (structure only)"},
     {"fluid.density", "density", "1060 kg/m3", "1 kg/m3 .. 20000 kg/m3", "density of blood"},
-    {"fluid.viscosity", "viscosity", "2 mPa s", "0.001 mPa s ..", "dynamic viscosity of blood"},
+    {"fluid.viscosity", "viscosity", "2 mPa s", "0 mPa s ..", "dynamic viscosity of blood"},
     {"fluid.kernel", "choice ib4|ib3|cbs32", "ib4", "", "regularised delta function"},
 
     {"leaflet.anterior.law", "choice m1|ogden|hgo|neo_hookean", "m1", "", "tissue law of the anterior leaflet"},
@@ -109,6 +116,7 @@ const Row rows[] = {
     {"leaflet.posterior.ogden_alpha", "number[]", "[-19.36, -19.318, -25]", "", "Ogden: alpha_i, exponents"},
     {"leaflet.posterior.neo_mu", "pressure", "20 kPa", "0 Pa ..", "neo-Hookean: mu, see the anterior leaflet"},
     {"leaflet.bulk", "pressure", "1 MPa", "0 Pa ..", "volumetric stiffness (see solver/solid)"},
+    {"leaflet.poisson_ratio", "number?", "auto", "0 .. 0.4999", "numerical Poisson's ratio nu: each leaflet's volumetric stiffness becomes 2 mu (1 + nu) / (3 (1 - 2 nu)), mu its shear modulus at rest; auto: leaflet.bulk"},
     {"leaflet.density", "density", "1060 kg/m3", "1 kg/m3 .. 20000 kg/m3", "density of the leaflets"},
     {"leaflet.distortion_strain", "number", "0.9", "0.01 .. 0.99", "strain beyond which an element stiffens (distortion control)"},
     {"leaflet.distortion_factor", "number", "4", "0 .. 1e6", "how many times stiffer a distorted element becomes; 0 switches the control off"},

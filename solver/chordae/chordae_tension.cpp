@@ -26,7 +26,8 @@ ChordaeTension::ChordaeTension(const Chordae& chordae, int first_free_node, doub
   }
   for (const ChordaSegment& s : chordae.segments) {
     const double rest = s.rest_length * metres_per_mm;
-    segments_.push_back({s.a, s.b, rest, youngs_modulus * s.area * m2_per_mm2 / rest});
+    const double stiffness = youngs_modulus * s.area * m2_per_mm2 / rest;
+    segments_.push_back({s.a, s.b, rest, stiffness, stiffness});
     tips = std::max(tips, s.muscle + 1);
   }
   insertions_ = chordae.insertions;
@@ -73,6 +74,23 @@ double ChordaeTension::forces(std::span<const double> x, std::span<const Eigen::
     if (muscle_[p] >= 0) papillary_forces_[static_cast<std::size_t>(muscle_[p])] += point_forces_[p];
   scatter(point_forces_, forces);
   return energy;
+}
+
+double ChordaeTension::energy(std::span<const double> x, std::span<const Eigen::Vector3d> tips) {
+  gather(x, tips, positions_);
+  double energy = 0;
+  for (const Segment& segment : segments_) {
+    const double stretch = (positions_[static_cast<std::size_t>(segment.b)] - positions_[static_cast<std::size_t>(segment.a)]).norm() - segment.rest_length;
+    if (stretch > 0) energy += 0.5 * segment.stiffness * stretch * stretch;
+  }
+  return energy;
+}
+
+void ChordaeTension::set_cut(std::span<const int> segments, bool is_cut) {
+  for (int s : segments) {
+    Segment& segment = segments_[static_cast<std::size_t>(s)];
+    segment.stiffness = is_cut ? 0.0 : segment.whole;
+  }
 }
 
 void ChordaeTension::stiffness_times(std::span<const double> x, std::span<const Eigen::Vector3d> tips, std::span<const double> v,

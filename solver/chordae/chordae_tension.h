@@ -26,6 +26,12 @@ class ChordaeTension {
   /// Adds the tensions to `forces` (N) at the node positions x (m) and tip positions (m); returns the elastic energy (J). No allocation.
   double forces(std::span<const double> x, std::span<const Eigen::Vector3d> tips, std::span<double> forces);
 
+  /// Elastic energy (J) at these positions, without touching anything.
+  double energy(std::span<const double> x, std::span<const Eigen::Vector3d> tips);
+
+  /// Cuts segments, or makes them whole again. A cut segment carries nothing.
+  void set_cut(std::span<const int> segments, bool is_cut);
+
   /// Adds K v of the taut segments, K = -dF/dx at x with tips held.
   void stiffness_times(std::span<const double> x, std::span<const Eigen::Vector3d> tips, std::span<const double> v, std::span<double> out);
 
@@ -43,7 +49,8 @@ class ChordaeTension {
   struct Segment {
     int a, b;
     double rest_length;  // m
-    double stiffness;    // N/m
+    double stiffness;    // N/m, 0 when cut
+    double whole;        // N/m, its stiffness when not cut
   };
   std::vector<Segment> segments_;
   std::vector<int> muscle_;            // per point, -1 when not a root

@@ -10,7 +10,7 @@ namespace mv {
 namespace {
 
 // Increase when a field is added to State or Checkpoint.
-constexpr const char* magic = "mvsolve checkpoint 4\n";
+constexpr const char* magic = "mvsolve checkpoint 5\n";
 constexpr std::size_t checksum_length = 64;
 
 class Writer {

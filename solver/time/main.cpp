@@ -12,6 +12,7 @@
 #include "solver/report/report.h"
 #include "solver/study/commands.h"
 #include "solver/study/recommended.h"
+#include "solver/study/stability_command.h"
 #include "solver/time/run.h"
 
 namespace {
@@ -66,6 +67,7 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) command_line += " " + std::string(argv[i]);
   const auto accuracy = mv::add_accuracy_command(app, command_line);
   const auto bench = mv::add_bench_command(app, command_line);
+  mv::StabilityCommand stability(app, &is_interrupted);
 
   try {
     app.parse(argc, argv);
@@ -87,6 +89,10 @@ int main(int argc, char** argv) {
       }
       if (mv::run_case(run) == mv::RunEnd::interrupted) return static_cast<int>(mv::ExitCode::interrupted);
       print_summary(run.results);
+    } else if (stability.is_asked()) {
+      std::signal(SIGINT, on_interrupt);
+      std::signal(SIGTERM, on_interrupt);
+      return static_cast<int>(stability.run());
     } else if (*report_command) {
       std::cout << mv::write_report(report_results).string() << "\n";
     } else if (app.got_subcommand("accuracy")) {

@@ -9,6 +9,7 @@
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
 #include "geometry/core/parallel.h"
+#include "solver/time/preflight.h"
 
 namespace mv {
 namespace {
@@ -52,6 +53,7 @@ double swept_volume_of(const std::vector<std::array<int, 3>>& faces, const std::
 
 Simulation::Simulation(Scene scene) : scene_(std::move(scene)), waveform_(Waveform::from_config(scene_.config, scene_.directory)) {
   const Config& config = scene_.config;
+  preflight(scene_, waveform_);
   structure_.emplace(scene_, std::max(waveform_.largest(), 1.0));
   const std::size_t unknowns = structure_->rest_positions().size();
   forces_.assign(unknowns, 0.0);
@@ -139,6 +141,10 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
     if (dt > stable) {
       dt = config.number("time.safety") * stable;
       limiter = state.stiffest_part;
+      if (!has_warned_of_step_)
+        spdlog::warn("time.step_fixed = {:.4g} us is beyond the stable step of {:.4g} us ({}); steps are reduced to {:.4g} us and follow the stable step from here",
+                     1e6 * config.number("time.step_fixed"), 1e6 * stable, limiter, 1e6 * dt);
+      has_warned_of_step_ = true;
     }
   }
   if (fluid_ && is_estimated) state.flow_step = fluid_->stable_step(state.flow);
@@ -382,8 +388,8 @@ double Simulation::total_energy(const State& state) const {
 double Simulation::energy_residual(const State& state) const {
   const EnergyLedger& l = state.ledger;
   const double gained = total_energy(state) - state.initial_energy;
-  const double unexplained = l.work_pressure + l.boundary_kinetic - l.viscous_loss - l.advection_loss - l.friction_loss - l.damping_loss - l.coupling_loss - gained;
-  return std::abs(unexplained) / std::max(std::abs(l.work_pressure), 1e-9);
+  const double unexplained = l.work_pressure + l.work_moved + l.boundary_kinetic - l.viscous_loss - l.advection_loss - l.friction_loss - l.damping_loss - l.coupling_loss - gained;
+  return std::abs(unexplained) / std::max(std::abs(l.work_pressure) + std::abs(l.work_moved), 1e-9);
 }
 
 }  // namespace mv

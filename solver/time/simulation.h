@@ -22,6 +22,7 @@ namespace mv {
 
 class Simulation {
  public:
+  /// Throws what preflight() finds wrong with the scene.
   explicit Simulation(Scene scene);
 
   State initial_state();
@@ -82,7 +83,7 @@ class Simulation {
   std::vector<double> x_before_;
   std::vector<double> element_steps_;
   State snapshot_;
-  bool has_snapshot_ = false;
+  bool has_snapshot_ = false, has_warned_of_step_ = false;
   int outside_ = 0, held_count_ = 0;
   PartTimes times_;
 };

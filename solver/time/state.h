@@ -11,6 +11,7 @@ namespace mv {
 /// Energy accounts since the start (J). Losses are positive when energy leaves.
 struct EnergyLedger {
   double work_pressure = 0;      // done by the pressures at the ends of the tube (or on the ventricular face without blood)
+  double work_moved = 0;         // done by moving papillary tips; negative: set free by cutting chordae
   double boundary_kinetic = 0;   // carried in by the flow through the ends
   double viscous_loss = 0;
   double advection_loss = 0;     // numerical, of the advection scheme

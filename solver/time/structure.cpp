@@ -19,6 +19,8 @@ constexpr double metres_per_mm = 1e-3;
 // Range of the penalty over the fluid spacing, unless set.
 constexpr double range_share = 0.5;
 
+}  // namespace
+
 Material material_of(const Config& config, const std::string& leaflet) {
   const std::string at = "leaflet." + leaflet + ".";
   Material m;
@@ -43,6 +45,11 @@ Material material_of(const Config& config, const std::string& leaflet) {
   // stress over the bulk modulus, which the interpolated velocity does not resist below the width of its kernel.
   m.has_modified_fibre_invariant = true;
   m.neo_mu = config.number(at + "neo_mu");
+  if (!config.is_auto("leaflet.poisson_ratio")) {
+    const double nu = config.number("leaflet.poisson_ratio"), shear = ground_shear_modulus(m);
+    if (!(shear > 0)) throw ConfigError(at + "law has no shear modulus at rest from which leaflet.poisson_ratio could make a volumetric stiffness; set leaflet.bulk");
+    m.bulk = 2 * shear * (1 + nu) / (3 * (1 - 2 * nu));
+  }
   m.distortion_strain = config.number("leaflet.distortion_strain");
   m.distortion_factor = config.number("leaflet.distortion_factor");
   if (config.text("fibers.model") == "none") {
@@ -52,8 +59,6 @@ Material material_of(const Config& config, const std::string& leaflet) {
   }
   return m;
 }
-
-}  // namespace
 
 Structure::Structure(const Scene& scene, double largest_pressure) : has_fluid_(scene.has_fluid()) {
   const Config& config = scene.config;
@@ -91,6 +96,11 @@ Structure::Structure(const Scene& scene, double largest_pressure) : has_fluid_(s
     }
   }
 
+  if (chordae_) {
+    BoundaryMotion motion(config, scene.chordae, scene.tube, tips_);
+    if (motion.is_active()) motion_.emplace(std::move(motion));
+  }
+
   ventricular_faces_ = faces_on_side(mesh, ventricular).triangles;
   atrial_faces_ = faces_on_side(mesh, atrial).triangles;
 
@@ -110,8 +120,18 @@ Structure::Structure(const Scene& scene, double largest_pressure) : has_fluid_(s
   }
 }
 
+void Structure::move_boundary(State& state, double dt) {
+  motion_->apply(state.time, *chordae_, tips_);  // a rollback may come from another time
+  if (!(dt > 0) || !motion_->changes(state.time, state.time + dt)) return;
+  const double before = chordae_->energy(state.x, tips_);
+  motion_->apply(state.time + dt, *chordae_, tips_);
+  // With the nodes at rest, what chordae gain is what moved them.
+  state.ledger.work_moved += chordae_->energy(state.x, tips_) - before;
+}
+
 void Structure::evaluate(State& state, double dt, double ventricular_pressure, std::span<double> forces, PartTimes& times) {
   std::fill(forces.begin(), forces.end(), 0.0);
+  if (motion_) move_boundary(state, dt);
   const std::size_t leaflet_size = 3 * static_cast<std::size_t>(leaflet_nodes_);
   const std::span<const double> x(state.x.data(), leaflet_size);
   auto start = Clock::now();

@@ -12,6 +12,7 @@
 #include "solver/chordae/chordae_tension.h"
 #include "solver/contact/self_contact.h"
 #include "solver/solid/leaflet_solid.h"
+#include "solver/time/boundary_motion.h"
 #include "solver/time/scene.h"
 #include "solver/time/state.h"
 
@@ -22,6 +23,9 @@ struct PartTimes {
   double fluid = 0, coupling = 0, solid = 0, contact = 0, chordae = 0, step_estimate = 0, output = 0;
   double sum() const { return fluid + coupling + solid + contact + chordae + step_estimate + output; }
 };
+
+/// Law and parameters of a leaflet ("anterior" or "posterior"). Throws ConfigError.
+Material material_of(const Config& config, const std::string& leaflet);
 
 class Structure {
  public:
@@ -35,7 +39,7 @@ class Structure {
   const std::vector<double>& masses() const { return masses_; }  // kg per node
   const std::vector<Eigen::Vector3d>& tips() const { return tips_; }
 
-  /// All nodal forces (N) at the state's positions, overwriting `forces`; moves the friction history on by dt. `ventricular_pressure` (Pa) acts on
+  /// All nodal forces (N) at the state's positions with papillary tips and cuts as at the end of the step, overwriting `forces`; moves the friction history on by dt. `ventricular_pressure` (Pa) acts on
   /// the ventricular face when the scene has no blood. Updates the energies and statistics in `state`.
   void evaluate(State& state, double dt, double ventricular_pressure, std::span<double> forces, PartTimes& times);
 
@@ -57,10 +61,13 @@ class Structure {
   double reference_volume() const { return reference_volume_; }
 
  private:
+  void move_boundary(State& state, double dt);
+
   int leaflet_nodes_ = 0;
   std::vector<double> rest_, masses_;
   std::vector<char> is_fixed_;
   std::vector<Eigen::Vector3d> tips_;
+  std::optional<BoundaryMotion> motion_;   // only when something moves
   std::optional<LeafletSolid> solid_;
   std::optional<ChordaeTension> chordae_;
   ContactSurface surface_;

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// Ways to make a sound scene extreme or wrong, for the stability study and tests. What a configuration cannot ask for, because mvprep would
+// refuse it.
+
+#include "solver/time/scene.h"
+
+namespace mv {
+
+/// Moves some twelve nodes into their elements until the smallest dihedral angle around each is `degrees`; 0 flattens an element, a negative
+/// value inverts it.
+void squash_elements(Scene& scene, double degrees);
+
+/// Shears the leaflets towards each other, thickness kept: `closing` 0 leaves them, 1 brings both borders to the plane between them.
+void bring_together(Scene& scene, double closing);
+
+/// The largest closing (in thousandths) without crossing triangles, less a hundredth: borders touch within the contact's range.
+void bring_to_touch(Scene& scene);
+
+/// Leaves one chorda, the primary one of the anterior leaflet nearest to its middle.
+void keep_one_chorda(Scene& scene);
+
+/// Pressure of many short beats (stability_cases.h), written into the case as pressure.csv: closes, holds 80 mmHg, opens at -5 mmHg.
+void set_beats(Scene& scene, int count, double length);
+
+}  // namespace mv

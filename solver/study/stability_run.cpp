@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver/study/stability_run.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <chrono>
+#include <cmath>
+#include <map>
+
+#include "geometry/core/errors.h"
+#include "solver/time/simulation.h"
+#include "solver/time/summarize.h"
+
+namespace mv {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr double watch_every = 0.5e-3;     // s, simulated, between two looks at the run
+constexpr double late_share = 0.2;         // of the run, over which the late leak is the mean
+constexpr int beats_averaged = 10, beats_settling = 5;
+
+/// What is gathered while a case runs.
+class Watch {
+ public:
+  Watch(Simulation& simulation, const StabilityCase& stability_case) : simulation_(simulation), case_(stability_case) {}
+
+  void look(const State& state) {
+    const Structure& structure = simulation_.structure();
+    facts.volume_drift_max = std::max(facts.volume_drift_max, std::abs(structure.solid().statistics().volume / structure.reference_volume() - 1.0));
+    if (const NavierStokes* fluid = simulation_.fluid()) facts.peak_velocity = std::max(facts.peak_velocity, fluid->peak_velocity(state.flow));
+    pressure_peak = std::max(pressure_peak, std::abs(simulation_.pressure_difference(state.time)));
+    if (late_time_ < 0 && state.time >= (1 - late_share) * case_.end) {
+      late_time_ = state.time;
+      late_volume_ = passed(state);
+    }
+    if (case_.behaviour == Behaviour::beats) look_at_beat(state);
+  }
+
+  /// m3/s, net of what the leaflets sweep
+  double late_leak(const State& state) const { return late_time_ >= 0 && state.time > late_time_ ? (passed(state) - late_volume_) / (state.time - late_time_) : 0.0; }
+
+  void put_beats(CaseOutcome& outcome) const {
+    if (late_beats_.count == 0 || early_beats_.count == 0) return;
+    double sum = 0;
+    for (std::size_t a = 0; a < early_beats_.x.size(); ++a) {
+      const double moved = late_beats_.x[a] / late_beats_.count - early_beats_.x[a] / early_beats_.count;
+      sum += moved * moved;
+    }
+    outcome.beat_drift_mm = 1e3 * std::sqrt(3.0 * sum / static_cast<double>(early_beats_.x.size()));
+    outcome.beat_volume_ml = 1e6 * early_beats_.volume / early_beats_.count;
+    outcome.beat_volume_drift_ml = 1e6 * (late_beats_.volume / late_beats_.count - early_beats_.volume / early_beats_.count);
+  }
+
+  RunFacts facts;
+  double pressure_peak = 0;
+
+ private:
+  struct Beats {
+    std::vector<double> x;   // summed positions
+    double volume = 0;       // summed backward volumes
+    int count = 0;
+  };
+
+  static double passed(const State& state) { return state.volume_backward - state.volume_swept; }
+
+  void look_at_beat(const State& state) {
+    // Mid-hold of each beat; the volume is that of the beat before.
+    const double phase = state.time / beat_length - beat_hold_middle;
+    if (phase < beats_seen_) return;
+    const double volume = state.volume_backward - volume_last_;
+    volume_last_ = state.volume_backward;
+    const int beat = beats_seen_++;
+    Beats* beats = beat >= beat_count - beats_averaged                                  ? &late_beats_
+                   : beat >= beats_settling && beat < beats_settling + beats_averaged ? &early_beats_
+                                                                                      : nullptr;
+    if (!beats) return;
+    beats->x.resize(state.x.size(), 0.0);
+    for (std::size_t a = 0; a < state.x.size(); ++a) beats->x[a] += state.x[a];
+    beats->volume += volume;
+    ++beats->count;
+  }
+
+  Simulation& simulation_;
+  const StabilityCase& case_;
+  double late_time_ = -1, late_volume_ = 0, volume_last_ = 0;
+  int beats_seen_ = 0;
+  Beats early_beats_, late_beats_;
+};
+
+bool is_finite(const std::vector<double>& values) {
+  for (double v : values)
+    if (!std::isfinite(v)) return false;
+  return true;
+}
+
+bool is_finite(const State& state) {
+  bool all = is_finite(state.x) && is_finite(state.v) && is_finite(state.flow.pressure);
+  for (const auto& c : state.flow.velocity.c) all = all && is_finite(c);
+  return all && std::isfinite(state.volume_backward) && std::isfinite(state.elastic_energy);
+}
+
+double area_of(const std::vector<Vec3>& loop) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < loop.size(); ++i) sum += (loop[i] - loop[0]).cross(loop[(i + 1) % loop.size()] - loop[0]);
+  return 0.5 * sum.norm();
+}
+
+void put_state(CaseOutcome& outcome, Simulation& simulation, const State& state, const Watch& watch) {
+  const Scene& scene = simulation.scene();
+  outcome.simulated_s = state.time;
+  outcome.steps = state.step;
+  outcome.rollbacks = state.rollbacks;
+  outcome.dt_mean_s = state.step > 0 ? state.dt_sum / static_cast<double>(state.step) : 0.0;
+  outcome.dt_min_s = state.step > 0 ? state.dt_min : 0.0;
+  outcome.energy_residual = simulation.energy_residual(state);
+  outcome.volume_drift = watch.facts.volume_drift_max;
+  outcome.J_min = state.J_min;
+  outcome.controlled_fraction = state.controlled_fraction_max;
+  outcome.is_finite = is_finite(state);
+  outcome.pressure_peak_Pa = watch.pressure_peak;
+  outcome.annulus_area_mm2 = area_of(scene.annulus.points);
+  outcome.fluid_density = scene.config.number("fluid.density");
+  outcome.has_fluid = scene.has_fluid();
+  outcome.has_chordae = scene.has_chordae();
+  outcome.peak_velocity_m_s = watch.facts.peak_velocity;
+  outcome.has_closed = state.closing_time >= 0;
+  outcome.closing_volume_ml = 1e6 * state.closing_volume;
+  outcome.backward_volume_ml = 1e6 * state.volume_backward;
+  outcome.late_leak_ml_s = 1e6 * watch.late_leak(state);
+  if (const ChordaeTension* chordae = simulation.structure().chordae())
+    for (const auto& pull : chordae->papillary_forces()) outcome.papillary_force_N += pull.norm();
+  watch.put_beats(outcome);
+}
+
+void put_gates(CaseOutcome& outcome, Simulation& simulation, State& state, Watch& watch) {
+  if (!outcome.is_finite) return;
+  simulation.refresh(state);
+  watch.facts.end = "finished";
+  const Summary summary = summarize(simulation, state, measure_contact(simulation, state), watch.facts);
+  outcome.failed_gates = failed_trust_gates(summary);
+  outcome.self_intersections = json_at(summary.json(), "contact.self_intersections").get<long>();
+}
+
+}  // namespace
+
+CaseOutcome run_stability_case(const StabilityCase& stability_case, const std::filesystem::path& case_directory, double seconds) {
+  const auto start = Clock::now();
+  auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+  CaseOutcome outcome;
+  std::optional<Simulation> simulation;
+  try {
+    Scene scene = load_scene(case_directory, stability_case.settings);
+    if (stability_case.alter) stability_case.alter(scene);
+    simulation.emplace(std::move(scene));
+  } catch (const Error& error) {
+    outcome.end = CaseEnd::refused;
+    outcome.reason = error.what();
+    outcome.seconds = elapsed();
+    return outcome;
+  }
+  State state = simulation->initial_state();
+  Watch watch(*simulation, stability_case);
+  std::map<std::string, long> limiters;
+  outcome.end = CaseEnd::finished;
+  for (long look = 0; state.time < stability_case.end - 1e-12;) {
+    const double next = std::min(static_cast<double>(look + 1) * watch_every, stability_case.end);
+    try {
+      ++limiters[simulation->step(state, next)];
+    } catch (const TrustError& error) {
+      outcome.end = CaseEnd::stopped;
+      outcome.reason = error.what();
+      break;
+    }
+    if (state.time >= next - 1e-12) {
+      ++look;
+      watch.look(state);
+    }
+    if (elapsed() > seconds) {
+      outcome.end = CaseEnd::late;
+      outcome.reason = fmt::format("reached {:.4g} of {:.4g} s in its {:.0f} s", state.time, stability_case.end, seconds);
+      break;
+    }
+  }
+  limiters.erase("output");
+  for (const auto& [name, count] : limiters)
+    if (outcome.limiter.empty() || count > limiters[outcome.limiter]) outcome.limiter = name;
+  put_state(outcome, *simulation, state, watch);
+  if (outcome.end == CaseEnd::finished) put_gates(outcome, *simulation, state, watch);
+  outcome.seconds = elapsed();
+  return outcome;
+}
+
+}  // namespace mv
