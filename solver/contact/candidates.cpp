@@ -237,7 +237,8 @@ void CandidateSearch::update(std::span<const double> x, double radius, double tu
   start_[0] = 0;
   const Vec3 reach = Vec3::Constant(distance + margin);
   parallel_ranges(nodes, [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
-    auto& list = found_[thread];
+    // Moved here and back: threads would share the cache line of neighbouring vectors.
+    std::vector<int> list = std::move(found_[thread]);
     constexpr int chunk = 64;
     std::array<int, chunk> flag;
     for (std::ptrdiff_t n = begin; n < end; ++n) {
@@ -271,6 +272,7 @@ void CandidateSearch::update(std::span<const double> x, double radius, double tu
       std::sort(list.begin() + static_cast<std::ptrdiff_t>(before), list.end());
       start_[n + 1] = static_cast<int>(list.size() - before);
     }
+    found_[thread] = std::move(list);
   });
   for (int n = 0; n < nodes; ++n) start_[n + 1] += start_[n];
   triangle_.resize(static_cast<std::size_t>(start_.back()));

@@ -59,7 +59,7 @@ void closest_gaps(const ContactSurface& s, const CandidateSearch& rule, std::spa
   grid.reset(lower, upper, std::max(1.5 * s.mean_edge, 0.125 * (max_distance + size_max)));
   grid.sort(count, [&](int m) { return grid.cell_index(grid.cell(unsorted[m].centre)); });
   parallel_for(count, [&](std::ptrdiff_t k) { heads[k] = unsorted[grid.item(static_cast<int>(k))]; });
-  parallel_for(nodes, [&](std::ptrdiff_t n) {
+  const auto find = [&](std::ptrdiff_t n) {
     if (atrial_only && !s.on_atrial_face[n]) return;
     const Vec3 p = at(x, s.nodes[n]);
     const Vec3 node_normal = normals[n];
@@ -127,6 +127,9 @@ void closest_gaps(const ContactSurface& s, const CandidateSearch& rule, std::spa
     out.triangle[n] = best_triangle;
     out.point[n] = best_point;
     out.gap[n] = best_height < 0 ? -best_distance : best_distance;
+  };
+  parallel_pieces(nodes, 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end, int) {
+    for (std::ptrdiff_t n = begin; n < end; ++n) find(n);
   });
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "geometry/core/parallel.h"
 
@@ -17,7 +18,8 @@ void NearPairs::update(const ContactSurface& surface, const CandidateSearch& sea
   start_[0] = 0;
   const double highest = std::max(limits.depth, limits.height);
   parallel_ranges(surface.node_count(), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
-    std::vector<int>& list = found_[static_cast<std::size_t>(thread)];
+    // Moved here and back: threads would share the cache line of neighbouring vectors.
+    std::vector<int> list = std::move(found_[static_cast<std::size_t>(thread)]);
     for (std::ptrdiff_t n = begin; n < end; ++n) {
       const std::size_t before = list.size();
       const Vec3 p = Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(surface.nodes[static_cast<std::size_t>(n)]));
@@ -29,13 +31,13 @@ void NearPairs::update(const ContactSurface& surface, const CandidateSearch& sea
         // d changes by at most skin, height and lateral distance by at most skin + turn |d|, the triangle's size by at most skin.
         const double change = skin + turn * std::sqrt(squared);
         if (height < -limits.depth - change || height > limits.height + change) continue;
-        const double far = head.size + skin + limits.averaging_radius[static_cast<std::size_t>(f)] +
-                           limits.widening * std::min(std::abs(height) + change, highest) + change;
+        const double far = head.size + skin + limits.widening * std::min(std::abs(height) + change, highest) + change;
         if (squared - height * height > 1.001 * far * far) continue;
         list.push_back(f);
       }
       start_[static_cast<std::size_t>(n) + 1] = static_cast<int>(list.size() - before);
     }
+    found_[static_cast<std::size_t>(thread)] = std::move(list);
   });
   for (std::size_t n = 0; n < surface.nodes.size(); ++n) start_[n + 1] += start_[n];
   triangle_.resize(static_cast<std::size_t>(start_.back()));

@@ -13,15 +13,14 @@ namespace mv {
 
 /// A node sees a triangle at signed height p along its normal when -depth < p < height and the lateral distance is below R_f + widening |p|.
 struct SightLimits {
-  double depth, height;                     // m
+  double depth, height;  // m
   double widening;
-  std::span<const double> averaging_radius;  // R_f per triangle, m
 };
 
 class NearPairs {
  public:
   /// Keeps, of `search`'s lists, every triangle that the node can see while no node has moved by more than `skin` / 2 (m) and no triangle's unit
-  /// normal by more than `turn` (may keep some that it cannot). `heads` of all triangles at `x` (3 * solid_nodes). Ascending order. Reuses its memory.
+  /// normal by more than `turn` (may keep some that it cannot). `heads` of all triangles at `x` (3 * solid_nodes), R_f added to their size. Ascending order. Reuses its memory.
   void update(const ContactSurface& surface, const CandidateSearch& search, std::span<const contact::FacetHead> heads, std::span<const double> x,
               const SightLimits& limits, double skin, double turn);
 

@@ -75,6 +75,12 @@ struct SlaveTotals {
   double force = 0, friction = 0, area = 0, gap = infinity, energy = 0, slip_energy = 0, dissipation = 0;
 };
 
+/// Of one thread, on cache lines of its own: the lists grow all the time.
+struct alignas(128) Scratch {
+  std::vector<Sight> seen;
+  std::vector<int> passed;
+};
+
 /// Forces on the three corners of a triangle.
 using CornerForces = std::array<double, 9>;
 
@@ -138,14 +144,14 @@ struct SelfContact::Impl {
   std::vector<int> node_stamp;                 // scratch, per node
 
   // Per step.
-  std::vector<contact::FacetHead> heads;
+  std::vector<contact::FacetHead> heads;  // sizes with the averaging radius
   std::vector<Facet> facets;
   std::vector<int> record_of_pair;        // -1: no reaction
   std::vector<SlaveTotals> slave_totals;  // per slave
   std::vector<CornerForces> records;
   std::vector<CornerForces> facet_force;
   std::vector<char> facet_active;
-  std::vector<std::vector<Sight>> sights;  // per thread
+  std::vector<Scratch> scratch;            // per thread
   std::vector<char> moved_too_far;         // per thread, bits: near pairs, candidates
 
   // Per surface node.
@@ -263,7 +269,7 @@ struct SelfContact::Impl {
     if (steps_since_near < few_steps) near_scale = std::min(1.0, 2 * near_scale);
     if (steps_since_near > many_steps) near_scale = std::max(least_near_scale, 0.5 * near_scale);
     steps_since_near = 0;
-    near.update(surface, search, heads, x, {options.penetration_limit, p_max, lateral_growth, averaging_radius},
+    near.update(surface, search, heads, x, {options.penetration_limit, p_max, lateral_growth},
                 near_scale * near_skin_share * options.skin, near_scale * near_turn_allowed);
     for (int n = 0; n < surface.node_count(); ++n) Eigen::Map<Vec3>(x_near.data() + 3 * static_cast<std::size_t>(n)) = at(x, surface.nodes[n]);
     for (int f = 0; f < surface.triangle_count(); ++f) normal_near[f] = heads[f].n;
@@ -308,6 +314,7 @@ struct SelfContact::Impl {
     parallel_for(surface.triangle_count(), [&](std::ptrdiff_t f) {
       const auto& t = surface.triangles[f];
       heads[f] = contact::make_head(at(x, surface.nodes[t[0]]), at(x, surface.nodes[t[1]]), at(x, surface.nodes[t[2]]));
+      heads[f].size += averaging_radius[f];
       facet_active[f] = 0;
     });
   }
@@ -341,23 +348,29 @@ struct SelfContact::Impl {
   }
 
   /// Triangles that face the node within reach, with their weights; returns W.
-  double look(const Vec3& x, int node, std::vector<Sight>& seen) const {
+  double look(const Vec3& x, int node, Scratch& scratch) const {
+    std::vector<Sight>& seen = scratch.seen;
     seen.clear();
-    double nearest = threshold_of[node];
-    int pair = near.first_pair(node) - 1;
-    Vec3 n = Vec3::Zero();
-    bool has_normal = false;
-    for (int f : near.triangles_of(node)) {
-      ++pair;
-      const contact::FacetHead& head = heads[f];
+    const auto list = near.triangles_of(node);
+    // Most do not see each other: sorted out first, without a branch for each.
+    scratch.passed.resize(std::max(scratch.passed.size(), list.size()));
+    std::size_t passed = 0;
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      const contact::FacetHead& head = heads[list[k]];
       const Vec3 from_centre = x - head.centre;
       const double height = head.n.dot(from_centre);
       // Lateral distance is at least that to the centroid less the triangle's size; the averaging radius is at most R_f + gamma
       // |p|.
-      const double far = head.size + averaging_radius[f] + lateral_growth * std::abs(height);
-      if (!((height > -options.penetration_limit) & (height < p_max) & (from_centre.squaredNorm() - height * height <= 1.0001 * far * far))) continue;
-      if (!has_normal) n = node_normal(node);
-      has_normal = true;
+      const double far = head.size + lateral_growth * std::abs(height);
+      scratch.passed[passed] = static_cast<int>(k);
+      passed += (height > -options.penetration_limit) & (height < p_max) & (from_centre.squaredNorm() - height * height <= 1.0001 * far * far);
+    }
+    if (passed == 0) return 0;
+    double nearest = threshold_of[node];
+    const Vec3 n = node_normal(node);
+    for (std::size_t m = 0; m < passed; ++m) {
+      const int k = scratch.passed[m], f = list[k], pair = near.first_pair(node) + k;
+      const contact::FacetHead& head = heads[f];
       const double cosine = head.n.dot(n);
       if (!(cosine < facing_cosine)) continue;
       Sight s;
@@ -421,12 +434,13 @@ struct SelfContact::Impl {
 
   /// All of one slave node: outputs, its own force, records of the reactions.
   SlaveTotals evaluate_slave(int node, std::span<const double> x, std::span<const double> v, double dt,
-                             std::vector<Sight>& seen) {
+                             Scratch& scratch_of_thread) {
+    const std::vector<Sight>& seen = scratch_of_thread.seen;
     SlaveTotals result;
     const int first = near.first_pair(node);
     if (is_active[node]) std::fill_n(record_of_pair.begin() + first, near.triangles_of(node).size(), -1);
     const Vec3 position = at(x, surface.nodes[node]);
-    const double total = look(position, node, seen);
+    const double total = look(position, node, scratch_of_thread);
     double g = infinity;
     int nearest = -1;
     if (total > 0) {
@@ -627,9 +641,9 @@ ContactResult SelfContact::evaluate(std::span<const double> x, std::span<const d
   ++c.steps_since_search;
   ++c.steps_since_near;
   c.compute_facets(x);
-  c.sights.resize(std::max(c.sights.size(), static_cast<std::size_t>(thread_count())));
-  parallel_ranges(static_cast<std::ptrdiff_t>(c.slaves.size()), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
-    for (std::ptrdiff_t k = begin; k < end; ++k) c.slave_totals[k] = c.evaluate_slave(c.slaves[k], x, v, dt, c.sights[thread]);
+  c.scratch.resize(std::max(c.scratch.size(), static_cast<std::size_t>(thread_count())));
+  parallel_pieces(static_cast<std::ptrdiff_t>(c.slaves.size()), 32, [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
+    for (std::ptrdiff_t k = begin; k < end; ++k) c.slave_totals[k] = c.evaluate_slave(c.slaves[k], x, v, dt, c.scratch[thread]);
   });
   c.gather(forces);
   ContactResult result = c.totals();

@@ -190,15 +190,18 @@ void LeafletSolid::Data::run_tile(const Tile& tile, const double* x, BlockSums& 
 /// Adds the forces to f; energy and the rest are left in tile_sums.
 double LeafletSolid::Data::tile_forces(std::span<const double> x, std::span<double> f) {
   assert(x.size() == mesh.points.size() && f.size() == mesh.points.size());
-  parallel_for(
-      static_cast<std::ptrdiff_t>(blocks.tiles.size()),
-      [&](std::ptrdiff_t t) {
-        BlockSums sums;
-        if (blocks.nodes == 10)
-          run_tile<10>(blocks.tiles[t], x.data(), sums);
-        else
-          run_tile<4>(blocks.tiles[t], x.data(), sums);
-        tile_sums[t] = sums;
+  // Distorted tissue, which costs more, is bunched up.
+  parallel_pieces(
+      static_cast<std::ptrdiff_t>(blocks.tiles.size()), 1,
+      [&](std::ptrdiff_t begin, std::ptrdiff_t end, int) {
+        for (std::ptrdiff_t t = begin; t < end; ++t) {
+          BlockSums sums;
+          if (blocks.nodes == 10)
+            run_tile<10>(blocks.tiles[t], x.data(), sums);
+          else
+            run_tile<4>(blocks.tiles[t], x.data(), sums);
+          tile_sums[t] = sums;
+        }
       },
       2);
   parallel_for(blocks.node_count, [&](std::ptrdiff_t n) {
