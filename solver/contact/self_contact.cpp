@@ -573,7 +573,7 @@ struct SelfContact::Impl {
   }
 
   void gather(std::span<double> forces) {
-    parallel_for(static_cast<std::ptrdiff_t>(masters.size()), [&](std::ptrdiff_t m) {
+    const auto sum_records = [&](std::ptrdiff_t m) {
       const int f = masters[m];
       if (!facet_active[f]) return;
       CornerForces sum{};
@@ -583,6 +583,9 @@ struct SelfContact::Impl {
         for (int c = 0; c < 9; ++c) sum[c] += records[record][c];
       }
       facet_force[f] = sum;
+    };
+    parallel_pieces(static_cast<std::ptrdiff_t>(masters.size()), 256, [&](std::ptrdiff_t begin, std::ptrdiff_t end, int) {
+      for (std::ptrdiff_t m = begin; m < end; ++m) sum_records(m);
     });
     parallel_for(static_cast<std::ptrdiff_t>(touched.size()), [&](std::ptrdiff_t k) {
       const int n = touched[k];
@@ -642,7 +645,7 @@ ContactResult SelfContact::evaluate(std::span<const double> x, std::span<const d
   ++c.steps_since_near;
   c.compute_facets(x);
   c.scratch.resize(std::max(c.scratch.size(), static_cast<std::size_t>(thread_count())));
-  parallel_pieces(static_cast<std::ptrdiff_t>(c.slaves.size()), 32, [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
+  parallel_pieces(static_cast<std::ptrdiff_t>(c.slaves.size()), 128, [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
     for (std::ptrdiff_t k = begin; k < end; ++k) c.slave_totals[k] = c.evaluate_slave(c.slaves[k], x, v, dt, c.scratch[thread]);
   });
   c.gather(forces);

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <vector>
+
+#include "geometry/core/parallel.h"
 
 namespace mv {
 
@@ -40,7 +43,10 @@ struct FaceField {
     for (auto& component : c) component.assign(grid.padded_size(), 0.0);
   }
   void set_zero() {
-    for (auto& component : c) std::fill(component.begin(), component.end(), 0.0);
+    for (auto& component : c)
+      parallel_ranges(static_cast<std::ptrdiff_t>(component.size()), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int) {
+        std::fill(component.begin() + begin, component.begin() + end, 0.0);
+      });
   }
 };
 
