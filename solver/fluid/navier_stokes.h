@@ -36,7 +36,6 @@ struct FlowStepReport {
   double advection_loss = 0;     // J, lost by the advection scheme (negative when it gains); transport through open sides excluded
   double pressure_work = 0;      // J, done by the pressures on the open sides
   double boundary_kinetic = 0;   // J, kinetic energy carried in through open sides
-  double wall_loss = 0;          // J, taken out when faces outside the tube are brought to rest
 };
 
 class NavierStokes {

@@ -60,9 +60,9 @@ TEST(Poiseuille, profile_and_flow_rate_are_near_exact_wherever_the_wall_cuts_the
     }
 }
 
-// The order rises towards two on finer grids: see wall_stencil_test.cpp, up to 128 cells across.
+// The order rises towards two on finer grids: see wall_stencil_test.cpp, up to 128 cells across, at more offsets.
 void expect_quartic_order(double b) {
-  for (double offset : {0.0, 0.31, 0.47}) {
+  for (double offset : {0.0, 0.47}) {
     std::array<Errors, 3> e;
     for (int level = 0; level < 3; ++level) e[static_cast<std::size_t>(level)] = profile_errors(b, 8 << level, offset, true);
     std::printf("quartic profile, %s tube, offset %.2f: relative velocity error %.2e %.2e %.2e (8, 16, 32 cells across), order %.2f %.2f; flow rate %.2e %.2e %.2e, order %.2f over both\n",
