@@ -150,7 +150,7 @@ const Row rows[] = {
 
     {"output.frames_every", "time", "10 ms", "0.001 ms ..", "time between two frames of the leaflets"},
     {"output.fluid_every", "time", "50 ms", "0.001 ms ..", "time between two frames of the fluid"},
-    {"output.series_every", "time", "0.5 ms", "0.001 ms ..", "time between two lines of series.csv"},
+    {"output.series_every", "time", "1 ms", "0.001 ms ..", "time between two lines of series.csv"},
     {"output.checkpoint_every", "time", "50 ms", "0.001 ms ..", "time between two checkpoints"},
     // clang-format on
 };

@@ -19,9 +19,9 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 constexpr double metres_per_mm = 1e-3;
 // Steps between two estimates of the stiffest mode: few while it stiffens quickly (fibres at the impact, contact) and after a rollback.
-constexpr int estimate_every = 50, estimate_soon = 10;
+constexpr int estimate_every = 80, estimate_soon = 10;
 constexpr double quick_stiffening = 1.03;  // growth of the frequency from one estimate to the next
-constexpr double quick_loading = 1.05;     // growth of the elastic energy since the last estimate
+constexpr double quick_loading = 1.05;     // growth of the energy of tissue and contact since the last estimate
 constexpr double room_to_stiffen = 0.7;    // share of the step that is used while it stiffens quickly
 constexpr int estimate_products = 3;
 // Of the power iteration for the elements' own critical steps: relaxation keeps a ninth of its limit, so that a few per cent do not matter.
@@ -110,11 +110,11 @@ State Simulation::initial_state() {
 double Simulation::choose_step(State& state, double stop_time, std::string& limiter) {
   const Config& config = scene_.config;
   const auto start = Clock::now();
-  const bool is_estimated = state.step >= state.next_estimate || (state.step >= state.last_estimate + estimate_soon &&
-                                                                    state.elastic_energy > quick_loading * state.energy_at_estimate);
+  const double energy = state.elastic_energy + state.contact_energy;
+  const bool is_estimated = state.step >= state.next_estimate || (state.step >= state.last_estimate + estimate_soon && energy > quick_loading * state.energy_at_estimate);
   if (is_estimated) {
     const double before = state.frequency;
-    const bool is_loaded = state.elastic_energy > quick_stiffening * state.energy_at_estimate || state.step < state.cap_until_step;
+    const bool is_loaded = energy > quick_stiffening * state.energy_at_estimate || state.step < state.cap_until_step;
     // The tangent of contact belongs to these positions, also after a resume or a rollback.
     if (structure_->contact()) refresh(state);
     if (coupling_) coupling_->bind({state.x, state.v, structure_->is_fixed()});
@@ -122,7 +122,7 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
     if (is_loaded) stable_step_->look_at_stiff_nodes(state);
     stable_step_->update(state, *structure_, coupling_ ? &*coupling_ : nullptr, fluid_ ? &*fluid_ : nullptr, estimate_products);
     state.last_estimate = state.step;
-    state.energy_at_estimate = state.elastic_energy;
+    state.energy_at_estimate = energy;
     const bool is_soon = state.step < state.cap_until_step || (before > 0 && state.frequency > quick_stiffening * before);
     state.next_estimate = state.step + (is_soon ? estimate_soon : estimate_every);
     state.is_stiffening = is_soon;

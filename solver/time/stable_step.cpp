@@ -7,7 +7,7 @@
 namespace mv {
 
 namespace {
-constexpr double settled = 0.02;   // change of the squared frequency in one product at which the mode counts as found
+constexpr double settled = 0.04;   // change of the squared frequency in one product at which the mode counts as found
 constexpr int products_max = 15;
 constexpr double probe_share = 0.5;
 }  // namespace
