@@ -12,6 +12,7 @@
 
 #include "geometry/core/errors.h"
 #include "geometry/core/parallel.h"
+#include "solver/contact/node_lists.h"
 
 namespace mv {
 namespace {
@@ -232,52 +233,39 @@ void CandidateSearch::update(std::span<const double> x, double radius, double tu
     side_[k] = surface_.triangle_side[f];
   });
 
-  found_.resize(std::max(found_.size(), static_cast<std::size_t>(thread_count())));
-  for (auto& list : found_) list.clear();
-  start_[0] = 0;
   const Vec3 reach = Vec3::Constant(distance + margin);
-  parallel_ranges(nodes, [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
-    // Moved here and back: threads would share the cache line of neighbouring vectors.
-    std::vector<int> list = std::move(found_[thread]);
+  fill_node_lists(nodes, found_, start_, triangle_, [&](int n, std::vector<int>& list) {
+    const std::size_t before = list.size();
     constexpr int chunk = 64;
     std::array<int, chunk> flag;
-    for (std::ptrdiff_t n = begin; n < end; ++n) {
-      const std::size_t before = list.size();
-      const Vec3 p = point(x, surface_.nodes[n]);
-      const Eigen::Vector3f pf = p.cast<float>(), rest = rest_node_[n];
-      const int own_side = surface_.node_side[n];
-      const View view = view_of(static_cast<int>(n), turn);
-      const int has_exceptions = exception_start_[n + 1] > exception_start_[n];
-      grid_.for_runs(grid_.cell(p - reach), grid_.cell(p + reach), [&](int first, int last) {
-        for (int base = first; base < last; base += chunk) {
-          const int count = std::min(chunk, last - base);
-          int any = 0;
-          for (int k = 0; k < count; ++k) {
-            const int j = base + k;
-            const float dx = cx_[j] - pf[0], dy = cy_[j] - pf[1], dz = cz_[j] - pf[2];
-            const float ex = rx_[j] - rest[0], ey = ry_[j] - rest[1], ez = rz_[j] - rest[2];
-            const float aligned = nx_[j] * view.axis[0] + ny_[j] * view.axis[1] + nz_[j] * view.axis[2];
-            const int near = (dx * dx + dy * dy + dz * dz <= reach_squared_[j]) & (aligned < view.cosine);
-            const int own = ex * ex + ey * ey + ez * ez < (side_[j] == own_side ? exclusion_squared_ : exclusion_squared_through_);
-            flag[k] = (near & (own ^ 1)) + 3 * (near & own & has_exceptions);  // 1: candidate, 3: only if excepted
-            any |= flag[k];
-          }
-          if (!any) continue;
-          for (int k = 0; k < count; ++k) {
-            if (flag[k] == 1 || (flag[k] == 3 && is_exception(static_cast<int>(n), grid_.item(base + k))))
-              list.push_back(grid_.item(base + k));
-          }
+    const Vec3 p = point(x, surface_.nodes[n]);
+    const Eigen::Vector3f pf = p.cast<float>(), rest = rest_node_[n];
+    const int own_side = surface_.node_side[n];
+    const View view = view_of(n, turn);
+    const int has_exceptions = exception_start_[n + 1] > exception_start_[n];
+    grid_.for_runs(grid_.cell(p - reach), grid_.cell(p + reach), [&](int first, int last) {
+      for (int base = first; base < last; base += chunk) {
+        const int count = std::min(chunk, last - base);
+        int any = 0;
+        for (int k = 0; k < count; ++k) {
+          const int j = base + k;
+          const float dx = cx_[j] - pf[0], dy = cy_[j] - pf[1], dz = cz_[j] - pf[2];
+          const float ex = rx_[j] - rest[0], ey = ry_[j] - rest[1], ez = rz_[j] - rest[2];
+          const float aligned = nx_[j] * view.axis[0] + ny_[j] * view.axis[1] + nz_[j] * view.axis[2];
+          const int near = (dx * dx + dy * dy + dz * dz <= reach_squared_[j]) & (aligned < view.cosine);
+          const int own = ex * ex + ey * ey + ez * ez < (side_[j] == own_side ? exclusion_squared_ : exclusion_squared_through_);
+          flag[k] = (near & (own ^ 1)) + 3 * (near & own & has_exceptions);  // 1: candidate, 3: only if excepted
+          any |= flag[k];
         }
-      });
-      std::sort(list.begin() + static_cast<std::ptrdiff_t>(before), list.end());
-      start_[n + 1] = static_cast<int>(list.size() - before);
-    }
-    found_[thread] = std::move(list);
+        if (!any) continue;
+        for (int k = 0; k < count; ++k) {
+          if (flag[k] == 1 || (flag[k] == 3 && is_exception(n, grid_.item(base + k))))
+            list.push_back(grid_.item(base + k));
+        }
+      }
+    });
+    std::sort(list.begin() + static_cast<std::ptrdiff_t>(before), list.end());
   });
-  for (int n = 0; n < nodes; ++n) start_[n + 1] += start_[n];
-  triangle_.resize(static_cast<std::size_t>(start_.back()));
-  auto out = triangle_.begin();
-  for (const auto& list : found_) out = std::copy(list.begin(), list.end(), out);
 }
 
 }  // namespace mv

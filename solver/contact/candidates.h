@@ -64,7 +64,7 @@ class CandidateSearch {
   std::vector<double> radius_;
   std::vector<float> cx_, cy_, cz_, reach_squared_, rx_, ry_, rz_, nx_, ny_, nz_;  // by grid position
   std::vector<int> side_;                                           // by grid position
-  std::vector<std::vector<int>> found_;                             // per thread
+  std::vector<std::vector<int>> found_;                             // per piece of nodes
 };
 
 }  // namespace mv

@@ -33,7 +33,7 @@ class NearPairs {
 
  private:
   std::vector<int> start_{0}, triangle_;
-  std::vector<std::vector<int>> found_;  // per thread
+  std::vector<std::vector<int>> found_;  // per piece of nodes
 };
 
 }  // namespace mv

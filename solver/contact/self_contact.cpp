@@ -110,7 +110,7 @@ ContactOptions resolve(const ContactSurface& s, ContactOptions o) {
   }
   if (o.exclusion_radius_through == 0) o.exclusion_radius_through = o.exclusion_radius;
   if (o.exclusion_radius_through < o.exclusion_radius) refuse("exclusion_radius_through must not be smaller than exclusion_radius");
-  if (o.skin == 0) o.skin = 0.4 * s.mean_edge;
+  if (o.skin == 0) o.skin = 0.6 * s.mean_edge;
   return o;
 }
 
@@ -257,7 +257,7 @@ struct SelfContact::Impl {
   /// The heads belong to x.
   void update_candidates(std::span<const double> x) {
     search.update(x, reach + options.skin, turn_allowed);
-    for (int n = 0; n < surface.node_count(); ++n) Eigen::Map<Vec3>(x_search.data() + 3 * static_cast<std::size_t>(n)) = at(x, surface.nodes[n]);
+    parallel_for(surface.node_count(), [&](std::ptrdiff_t n) { Eigen::Map<Vec3>(x_search.data() + 3 * n) = at(x, surface.nodes[n]); });
     steps_since_search = 0;
     has_candidates = true;
     update_near_pairs(x);
@@ -271,8 +271,8 @@ struct SelfContact::Impl {
     steps_since_near = 0;
     near.update(surface, search, heads, x, {options.penetration_limit, p_max, lateral_growth},
                 near_scale * near_skin_share * options.skin, near_scale * near_turn_allowed);
-    for (int n = 0; n < surface.node_count(); ++n) Eigen::Map<Vec3>(x_near.data() + 3 * static_cast<std::size_t>(n)) = at(x, surface.nodes[n]);
-    for (int f = 0; f < surface.triangle_count(); ++f) normal_near[f] = heads[f].n;
+    parallel_for(surface.node_count(), [&](std::ptrdiff_t n) { Eigen::Map<Vec3>(x_near.data() + 3 * n) = at(x, surface.nodes[n]); });
+    parallel_for(surface.triangle_count(), [&](std::ptrdiff_t f) { normal_near[f] = heads[f].n; });
 
     slaves.clear();
     masters.clear();
