@@ -120,7 +120,7 @@ void Coupling::move(const CoupledNodes& nodes, const FaceField& velocity, double
   parallel_for(static_cast<std::ptrdiff_t>(midpoint_.size()), [&](std::ptrdiff_t a) {
     if (!nodes.is_fixed[static_cast<std::size_t>(a / 3)]) midpoint_[static_cast<std::size_t>(a)] += 0.5 * dt * nodes.v[static_cast<std::size_t>(a)];
   });
-  transfer_.bind(midpoint_, active_);
+  transfer_.move_bound(midpoint_);
   transfer_.interpolate(velocity, nodes.v);
   parallel_for(static_cast<std::ptrdiff_t>(midpoint_.size()), [&](std::ptrdiff_t a) {
     if (!nodes.is_fixed[static_cast<std::size_t>(a / 3)]) nodes.x[static_cast<std::size_t>(a)] += dt * nodes.v[static_cast<std::size_t>(a)];

@@ -91,6 +91,23 @@ int Transfer::bind(std::span<const double> positions, std::span<const int> activ
   return static_cast<int>(active.size() - bound);
 }
 
+int Transfer::move_bound(std::span<const double> positions) {
+  const double inverse_h = 1.0 / grid_.h;
+  const double left = parallel_sum(static_cast<std::ptrdiff_t>(order_.size()), [&](std::ptrdiff_t at) {
+    const double* x = positions.data() + 3 * order_[static_cast<std::size_t>(at)];
+    double s[3];
+    bool is_inside = true;
+    for (int a = 0; a < 3; ++a) {
+      s[a] = (x[a] - grid_.lower[a]) * inverse_h;
+      if (!(s[a] >= 0 && s[a] < grid_.n[static_cast<std::size_t>(a)])) is_inside = false;
+    }
+    if (!is_inside) return 1.0;
+    std::copy_n(s, 3, scaled_.data() + 3 * at);
+    return 0.0;
+  });
+  return static_cast<int>(left);
+}
+
 template <Kernel K>
 void Transfer::interpolate_with(const FaceField& velocity, std::span<double> velocities) const {
   const std::ptrdiff_t sy = grid_.stride_y(), sz = grid_.stride_z();

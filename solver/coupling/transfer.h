@@ -22,6 +22,10 @@ class Transfer {
   /// points listed in `active` take part. Points whose kernel leaves the box are skipped; their number is returned.
   int bind(std::span<const double> positions, std::span<const int> active);
 
+  /// New positions of the bound points for interpolate() alone: they keep their order, spread() needs another bind(). Returns the number of points whose kernel
+  /// leaves the box now; they keep their old positions.
+  int move_bound(std::span<const double> positions);
+
   /// velocities[3*i..] of the bound points from the grid (m/s); other entries are left alone.
   void interpolate(const FaceField& velocity, std::span<double> velocities) const;
 

@@ -45,12 +45,13 @@ void StableStep::update(State& state, Structure& structure, const Coupling* coup
     iterations = std::max(iterations, 25);
   }
   std::array<double, 3> shares{};
+  structure.begin_products(state.x);
   double before = 0;
   for (int iteration = 0; iteration < std::max(iterations, products_max); ++iteration) {
     const double norm = std::sqrt(std::inner_product(state.mode_shape.begin(), state.mode_shape.end(), state.mode_shape.begin(), 0.0));
     if (!(norm > 0)) return;
     for (double& v : state.mode_shape) v /= norm;
-    structure.stiffness_times(state.x, state.mode_shape, stiff_, shares);
+    structure.stiffness_times(state.mode_shape, stiff_, shares);
     if (coupling) {
       const CoupledNodes nodes{state.x, state.v, is_fixed};
       coupling->accelerate(nodes, stiff_, *fluid, scratch_, moved_);
