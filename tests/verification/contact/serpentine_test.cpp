@@ -80,7 +80,7 @@ Folded fold(double spacing, double travel, double friction) {
   o.friction = friction;
   motion.add_contact(o);
 
-  constexpr double closing = 6e-3, rest = 9e-3;
+  constexpr double closing = 12e-3, rest = 13e-3;
   Folded r;
   const double dt = 0.6 * motion.critical_step();  // as the solver
   const long steps = std::lround((closing + rest) / dt), every = steps / 20;
