@@ -6,7 +6,7 @@ if(TARGET mv_solid AND TARGET mv_contact)
       verification/solid/chordae_test.cpp
     LIBRARIES mv_contact mv_solid mv_chordae LABEL verification)
   mv_add_test(verification_contact
-    SOURCES ${dry} verification/contact/incline_test.cpp verification/contact/impact_test.cpp
+    SOURCES ${dry} verification/contact/hertz_test.cpp verification/contact/incline_test.cpp verification/contact/impact_test.cpp
       verification/contact/serpentine_test.cpp
     LIBRARIES mv_contact mv_solid LABEL verification)
   # GCC 12 warns about its own AVX-512 headers
