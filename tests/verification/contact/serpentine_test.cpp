@@ -83,7 +83,7 @@ Folded fold(double spacing, double travel, double friction) {
   constexpr double closing = 12e-3, rest = 13e-3;
   Folded r;
   const double dt = 0.6 * motion.critical_step();  // as the solver
-  const long steps = std::lround((closing + rest) / dt), every = steps / 40;
+  const long steps = std::lround((closing + rest) / dt), every = steps / 20;
   for (long step = 1; step <= steps; ++step) {
     const double s = step * dt / closing, v = s < 1 ? travel / closing * 6 * s * (1 - s) : 0;
     for (std::size_t n = 0; n < is_top.size(); ++n)

@@ -133,7 +133,9 @@ double inner_displacement(Shape shape, int order, int n, double bulk, double pre
       solid.forces(x, f);
       add_pressure(inside, pressure * step / steps, x, f);
     };
-    e = solve(constraints, box.mesh, forces, element, 1e-9 * pressure * element * element, std::move(e.q));
+    // Of the load, or what round-off of positions leaves of the bulk stress.
+    const double tolerance = (1e-9 * pressure + 3e-13 * bulk) * element * element;
+    e = solve(constraints, box.mesh, forces, element, tolerance, std::move(e.q));
     EXPECT_TRUE(e.is_converged) << "n " << n << " order " << order << " bulk " << bulk << " residual " << e.residual;
   }
   double sum = 0;
@@ -226,7 +228,7 @@ TEST_F(Inflation, sphere) {
 TEST_F(Inflation, DISABLED_refined) {
   table(Shape::tube, 1, {4, 8, 16, 32, 64}, 10);
   table(Shape::tube, 2, {2, 4, 8, 16, 32}, 10);
-  for (double ratio : {1e3, 1e4, 1e5}) {
+  for (double ratio : {1e3, 1e4}) {
     table(Shape::tube, 1, {4, 8, 16, 32, 64}, ratio);
     table(Shape::tube, 2, {2, 4, 8, 16, 32}, ratio);
   }
