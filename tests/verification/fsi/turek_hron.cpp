@@ -32,7 +32,7 @@ TurekHron::TurekHron(const TurekHronSpec& spec) : spec_(spec) {
   tissue.columns = 1;
   const double start = centre + std::sqrt(radius * radius - 0.25 * plate_thickness * plate_thickness);
   // Quadratic elements about a spacing wide: nodes half a spacing apart.
-  const int nx = 2 * static_cast<int>(std::ceil(0.5 * plate_thickness / h));
+  const int nx = 2 * std::max(1, static_cast<int>(std::lround(0.5 * plate_thickness / h)));
   const int nz = static_cast<int>(std::ceil((plate_end - start) / h));
   const Plate plate = tissue.add_plate({centre - 0.5 * plate_thickness, centre + 0.5 * plate_thickness}, nx, {start, plate_end}, nz);
   for (int j = 0; j <= plate.columns; ++j)

@@ -7,7 +7,7 @@
 //
 // Differences of model. The reference's leaflets are shells without thickness in the flow, St. Venant-Kirchhoff with nu 0.4. Here
 // they are as thick as printed and move with an incompressible flow; the shear modulus E / (4 (1 - nu^2)) gives the printed plane-strain bending
-// stiffness. Grids of about a cell a thickness: what a kernel blurs to three or four cells is a tenth of the opening.
+// stiffness. With a cell a thickness the kernel's three or four cells are a tenth of the opening.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -97,8 +97,8 @@ class Valve {
   double time_ = 0;
 };
 
-/// Runs to `end` and compares at every printed time; tolerances as shares of the first code's displacement.
-void compare(const ValveSpec& spec, double end, double tolerance_along, double tolerance_across) {
+/// Runs to `end` and compares at every printed time with the first code; tolerances in cm.
+void compare(const ValveSpec& spec, double end, double tolerance) {
   const OneThread one_thread;
   Valve valve(spec);
   const auto start = std::chrono::steady_clock::now();
@@ -110,19 +110,25 @@ void compare(const ValveSpec& spec, double end, double tolerance_along, double t
                 tip.across / cm, across_first[q], across_second[q], 100 * (tip.across / cm / across_first[q] - 1), 100 * (tip.across / cm / across_second[q] - 1),
                 valve.flow().statistics().J_min, valve.flow().statistics().J_max, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     std::fflush(stdout);
-    EXPECT_NEAR(tip.along / cm, along_first[q], tolerance_along * along_first[q]);
-    EXPECT_NEAR(tip.across / cm, across_first[q], tolerance_across * across_first[q]);
+    EXPECT_NEAR(tip.along / cm, along_first[q], tolerance);
+    EXPECT_NEAR(tip.across / cm, across_first[q], tolerance);
   }
 }
 
-TEST(Valve2d, probe) {
-  ValveSpec spec;
-  const char* e;
-  if ((e = std::getenv("N"))) spec.cells = std::atoi(e);
-  if ((e = std::getenv("DT"))) spec.dt = std::atof(e);
-  if ((e = std::getenv("K"))) spec.kernel = Kernel(std::atoi(e));
-  if (std::getenv("RELAX")) spec.relaxation = Relaxation::all_forces;
-  compare(spec, std::atof(std::getenv("T")), 1, 1);
+// A spacing of two thicknesses, 0.042 cm; the tip is followed within a spacing.
+TEST(Valve2d, coarse_tip_follows_the_printed_curves) { compare({.cells = 38, .dt = 4e-5}, 0.25, 0.042); }
+
+// A spacing of one thickness, 0.0212 cm. Within one and a half of them: while the flow decelerates the leaflets stay further open than the
+// reference's, which have no thickness in the flow.
+TEST(Valve2d, DISABLED_tip_curve) { compare({.cells = 76, .dt = 2e-5}, 2.5, 0.032); }
+
+// Nothing touches here, so the relaxation of what the kernel does not see should change little; kernels differ by their width.
+TEST(Valve2d, DISABLED_relaxation_and_kernels) {
+  for (const Kernel kernel : {Kernel::ib4, Kernel::ib3, Kernel::cbs32})
+    for (const Relaxation relaxation : {Relaxation::none, Relaxation::all_forces}) {
+      std::printf("%s, %s\n", kernel == Kernel::ib4 ? "ib4" : kernel == Kernel::ib3 ? "ib3" : "cbs32", relaxation == Relaxation::none ? "no relaxation" : "relaxed");
+      compare({.cells = 38, .kernel = kernel, .relaxation = relaxation, .dt = 3e-5}, 0.75, 0.06);
+    }
 }
 
 }  // namespace
