@@ -10,7 +10,6 @@
 #include "geometry/core/log.h"
 #include "geometry/core/parallel.h"
 #include "solver/output/summary.h"
-#include "solver/study/case_maker.h"
 #include "solver/study/known_answers.h"
 #include "solver/study/study_page.h"
 
@@ -28,10 +27,7 @@ void put_known(const AccuracyOptions& options, AccuracyResult& result) {
   if (options.has_scene_parts && !options.ladder.spacings_mm.empty()) {
     const auto& levels = options.ladder.spacings_mm;
     const double h = levels.size() > 1 ? levels[1] : levels[0];
-    const ClosureMesh mesh{h, 0.5 * h, 1};
-    const MadeCase made = CaseMaker(options.ladder.output, options.ladder.mvprep).make(mesh_name(mesh), closure_case_toml(mesh));
-    if (!made.is_made()) throw InputError("the case for what a scene leaves out cannot be made: " + made.error);
-    result.parts = time_scene_parts(made.directory, std::min(0.06, options.ladder.end), 100, 3);
+    result.parts = time_generic_scene_parts(options.ladder.output, options.ladder.mvprep, h, std::min(0.06, options.ladder.end), 100, 3);
     result.parts_scene = fmt::format("generic valve, {:g} mm", h);
   }
   set_thread_count(before);

@@ -10,6 +10,7 @@ struct ClosureMesh {
   double fluid_mm = 1;   // tube.spacing
   double solid_mm = 0.5; // mesh.spacing, of corner points
   int order = 1;         // mesh.order
+  double atrium_mm = 20; // tube.length_atrium
 };
 
 /// The configuration for mvprep. The gate on solid over fluid spacing is widened when the mesh asks for it, so that a study can look at what the

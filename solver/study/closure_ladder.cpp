@@ -220,7 +220,7 @@ std::vector<Rung> closure_ladder(const LadderOptions& options) {
   };
   const double h = levels.size() > 1 ? levels[1] : levels[0];
   vary(h, "step", "safety0.9", "time.safety 0.9", {"time.safety=0.9"});
-  vary(h, "step", "safety0.3", "time.safety 0.3", {"time.safety=0.3"});
+  vary(h, "step", "safety0.4", "time.safety 0.4", {"time.safety=0.4"});
   vary(h, "step", "step100", "steps to 100 us", {"time.step_max=100 us"});
   vary(h, "kernel", "ib3", "kernel ib3", {"fluid.kernel=ib3"});
   vary(h, "kernel", "cbs32", "kernel cbs32", {"fluid.kernel=cbs32"});

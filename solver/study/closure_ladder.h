@@ -23,8 +23,8 @@ struct LadderOptions {
   std::filesystem::path output;
   std::filesystem::path mvprep;             // empty: beside mvsolve
   std::vector<double> spacings_mm{3, 2, 1.5, 1};  // fluid, coarse to fine; the finest is the reference
-  double end = 0.12;                        // s simulated; the valve closes at about 45 ms
-  double window = 0.02;                     // s at the end over which oscillating quantities are averaged
+  double end = 0.15;                        // s simulated; the valve closes at about 45 ms
+  double window = 0.03;                     // s at the end over which oscillating quantities are averaged
   bool has_variations = true;
   double budget = 1800;                     // s of wall time for all runs that are not there yet
   int jobs = 1;                             // runs at a time, one thread each

@@ -44,8 +44,8 @@ std::function<void()> add_accuracy_command(CLI::App& app, const std::string& com
   command->add_option("--spacings", ladder.spacings_mm, "fluid spacings of the closure, mm, coarse to fine; the finest is the reference (default 3 2 1.5 1)")->delimiter(',')->check(CLI::Range(0.2, 10.0));
   command->add_option("--budget", ladder.budget, "seconds for runs that are not there yet; what does not fit is left out (default 1800)")->check(CLI::PositiveNumber);
   command->add_option("--jobs", ladder.jobs, "runs at a time, one thread each (default 1)")->check(CLI::Range(1, 256));
-  command->add_option("--end", ladder.end, "simulated time of a closure, s (default 0.12)")->check(CLI::PositiveNumber);
-  command->add_option("--window", ladder.window, "seconds at the end over which oscillating quantities are averaged (default 0.02)")->check(CLI::PositiveNumber);
+  command->add_option("--end", ladder.end, "simulated time of a closure, s (default 0.15)")->check(CLI::PositiveNumber);
+  command->add_option("--window", ladder.window, "seconds at the end over which oscillating quantities are averaged (default 0.03)")->check(CLI::PositiveNumber);
   command->add_option("--table", options->table_file, "where the source of the built-in table goes (default DIR/recommended_table.cpp)");
   command->add_option("--mvprep", ladder.mvprep, "the program mvprep (default: beside mvsolve, then PATH)");
   command->add_flag("--fresh", ladder.is_fresh, "run again what is there");

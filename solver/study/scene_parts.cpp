@@ -9,6 +9,8 @@
 #include "geometry/core/log.h"
 #include "solver/output/series.h"
 #include "solver/report/html.h"
+#include "solver/study/case_maker.h"
+#include "solver/study/closure_case.h"
 #include "solver/study/svg_plot.h"
 
 namespace mv {
@@ -93,6 +95,14 @@ std::vector<ScenePart> time_scene_parts(const std::filesystem::path& case_direct
     rows.push_back(std::move(row));
   }
   return rows;
+}
+
+std::vector<ScenePart> time_generic_scene_parts(const std::filesystem::path& output, const std::filesystem::path& mvprep, double fluid_mm, double at, int steps, int repeats) {
+  ClosureMesh mesh{fluid_mm, 0.5 * fluid_mm, 1};
+  mesh.atrium_mm = 36;  // room for the leaflets turned over
+  const MadeCase made = CaseMaker(output, mvprep).make(mesh_name(mesh) + "-long", closure_case_toml(mesh));
+  if (!made.is_made()) throw InputError("the case for what a scene leaves out cannot be made: " + made.error);
+  return time_scene_parts(made.directory, at, steps, repeats);
 }
 
 std::string scene_parts_csv(const std::vector<ScenePart>& parts) {

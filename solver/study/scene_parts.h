@@ -23,6 +23,9 @@ struct ScenePart {
 /// they leave out. `state`, when given, is that instant already.
 std::vector<ScenePart> time_scene_parts(const std::filesystem::path& case_directory, double at, int steps, int repeats, const State* state = nullptr);
 
+/// The same for the generic valve at a fluid spacing, in a tube that is long enough on the atrial side for the scene without chordae. The case is made in `output`/cases.
+std::vector<ScenePart> time_generic_scene_parts(const std::filesystem::path& output, const std::filesystem::path& mvprep, double fluid_mm, double at, int steps, int repeats);
+
 /// CSV with one row a variant: name, setting, ms per step of every part and in all, difference to the full scene.
 std::string scene_parts_csv(const std::vector<ScenePart>& parts);
 

@@ -70,7 +70,7 @@ LeafletMesh sheet_mesh(const SheetShape& s) {
 Scene sheet_scene(const SheetShape& s, const std::vector<std::string>& settings) {
   Scene scene;
   scene.mesh = sheet_mesh(s);
-  for (const std::string& setting : {std::string("chordae.model=none"), std::string("contact.enabled=false"), fmt::format("tube.spacing={:.17g} mm", s.fluid_mm),
+  for (const std::string& setting : {std::string("chordae.model=none"), std::string("contact.enabled=false"), std::string("gates.min_dihedral=1 deg"), fmt::format("tube.spacing={:.17g} mm", s.fluid_mm),
                                      fmt::format("mesh.spacing={:.17g} mm", s.solid_mm), fmt::format("mesh.order={}", s.order), fmt::format("mesh.thickness={:.17g} mm", s.thickness_mm),
                                      std::string("leaflet.anterior.law=neo_hookean"), std::string("leaflet.posterior.law=neo_hookean")})
     scene.config.set(setting);

@@ -11,7 +11,7 @@ struct SheetShape {
   double solid_mm = 1;                                    // edge of the cells that are cut into six tetrahedra
   int order = 1, layers = 2;
   double fluid_mm = 2;
-  double length_mm = 16;                                  // of the tube on either side
+  double length_mm = 24;                                  // of the tube on either side
 };
 
 /// The mesh alone: tetrahedra of a structured grid, fibres along x, the sides' points on the annulus.
