@@ -37,7 +37,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-constexpr double grace_seconds = 20;   // after its wall time a case that does not stop by itself is ended
+// A case that does not stop by itself is ended after this many times its processor time on the clock, and a bit.
+constexpr double clock_factor = 4, grace_seconds = 5;
 constexpr auto poll_every = std::chrono::milliseconds(20);
 
 void make_directory(const fs::path& directory) {
@@ -197,7 +198,7 @@ void run_children(std::vector<StabilityRow>& rows, const std::map<std::string, M
     for (std::size_t r = 0; r < running.size();) {
       int status = 0;
       if (waitpid(running[r].child, &status, WNOHANG) == 0) {
-        if (!running[r].is_ended && seconds_since(running[r].start) > options.case_seconds + grace_seconds) {
+        if (!running[r].is_ended && seconds_since(running[r].start) > clock_factor * options.case_seconds + grace_seconds) {
           kill(running[r].child, SIGKILL);
           running[r].is_ended = true;
         }
@@ -234,6 +235,8 @@ std::vector<StabilityCase> select_cases(const std::vector<StabilityCase>& cases,
 long bad_count(const std::vector<StabilityRow>& rows) {
   return std::count_if(rows.begin(), rows.end(), [](const StabilityRow& r) { return is_bad(r.judgement.verdict); });
 }
+
+ExitCode exit_code_of(const std::vector<StabilityRow>& rows) { return bad_count(rows) == 0 ? ExitCode::done : ExitCode::not_trustworthy; }
 
 std::string stability_csv(const std::vector<StabilityRow>& rows) {
   std::string csv =

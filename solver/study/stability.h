@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/core/errors.h"
 #include "solver/study/stability_outcome.h"
 
 namespace mv {
@@ -17,7 +18,7 @@ struct StabilityOptions {
   std::filesystem::path mvprep;       // empty: find_mvprep()
   std::string only;                   // part of a name or axis; empty: all
   int jobs = 2;                       // cases at a time, one thread each
-  double case_seconds = 150;          // wall time a case may take
+  double case_seconds = 600;          // processor time a case may take; ended after four times as long on the clock
   const std::atomic<bool>* is_interrupted = nullptr;
 };
 
@@ -37,6 +38,9 @@ std::vector<StabilityCase> select_cases(const std::vector<StabilityCase>& cases,
 
 /// Number of cases that are neither stable nor refused, or not as declared.
 long bad_count(const std::vector<StabilityRow>& rows);
+
+/// done, or not_trustworthy when bad_count() is not zero.
+ExitCode exit_code_of(const std::vector<StabilityRow>& rows);
 
 std::string stability_csv(const std::vector<StabilityRow>& rows);
 

@@ -15,7 +15,7 @@ enum class CaseEnd {
   finished,   // reached its simulated time
   refused,    // by mvprep or mvsolve before the first step, with a reason
   stopped,    // the run gave up with a reason
-  late,       // did not reach its simulated time within its wall-time limit
+  late,       // did not reach its simulated time within its time limit
   hung,       // did not answer and was ended
   crashed     // a signal, or an error that is our bug
 };
@@ -24,8 +24,8 @@ enum class CaseEnd {
 struct CaseOutcome {
   CaseEnd end = CaseEnd::crashed;
   std::string reason;                 // "" when finished
-  std::vector<std::string> failed_gates;   // of failed_trust_gates()
-  double simulated_s = 0, seconds = 0;
+  double simulated_s = 0;
+  double seconds = 0;                 // processor time; for a case that crashed or hung, by the clock
   long steps = 0, rollbacks = 0;
   double dt_mean_s = 0, dt_min_s = 0;
   std::string limiter;                // what limited most steps
@@ -55,7 +55,7 @@ struct Judgement {
   std::string reason;   // why, in words; for `stable` what was checked last is left out
 };
 
-/// The verdict: `stable` needs the simulated time, finite numbers, every trust gate of `mvsolve run` and the physics of the case's behaviour;
+/// The verdict: `stable` needs the simulated time, finite numbers, the trust gates (crossings, energy, volume) and the physics of the case's behaviour;
 /// `refused` needs a reason. An end other than the declared one is `unexpected`.
 Judgement judge(const StabilityCase& stability_case, const CaseOutcome& outcome);
 

@@ -7,7 +7,7 @@
 
 namespace mv {
 
-/// Runs one case on what mvprep made in `case_directory`, in this process: loads, alters, advances to the case's end or `seconds` of wall time. An
+/// Runs one case on what mvprep made in `case_directory`, in this process: loads, alters, advances to the case's end or `seconds` of processor time. An
 /// error of the scene is an outcome (refused), as is a run that stops; only our own bugs are thrown.
 CaseOutcome run_stability_case(const StabilityCase& stability_case, const std::filesystem::path& case_directory, double seconds);
 

@@ -19,9 +19,10 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 constexpr double metres_per_mm = 1e-3;
 // Steps between two estimates of the stiffest mode: few while it stiffens quickly (fibres at the impact, contact) and after a rollback.
-constexpr int estimate_every = 80, estimate_soon = 10;
+constexpr int estimate_every = 80, estimate_soon = 10, estimate_at_once = 5;
 constexpr double quick_stiffening = 1.03;  // growth of the frequency from one estimate to the next
-constexpr double quick_loading = 1.05;     // growth of the energy of tissue and contact since the last estimate
+// Growth of the energy of tissue or contact since the last estimate. Contact counts from a share of the tissue's energy on.
+constexpr double slow_loading = 1.03, quick_loading = 1.05, sudden_loading = 1.2, contact_share = 0.01;
 constexpr double room_to_stiffen = 0.7;    // share of the step that is used while it stiffens quickly
 constexpr int estimate_products = 3;
 // Of the power iteration for the elements' own critical steps: relaxation keeps a ninth of its limit, so that a few per cent do not matter.
@@ -47,6 +48,12 @@ double swept_volume_of(const std::vector<std::array<int, 3>>& faces, const std::
     const Vec3 a0 = (at(x0, 1) - at(x0, 0)).cross(at(x0, 2) - at(x0, 0)), a1 = (at(x1, 1) - at(x1, 0)).cross(at(x1, 2) - at(x1, 0));
     return moved.dot(a0 + a1) / 12.0;
   });
+}
+
+/// Whether tissue or contact hold `growth` times the energy they held at the last estimate: what is stretched further, or pressed harder, is stiffer.
+bool is_loaded(const State& state, double growth) {
+  return state.elastic_energy > growth * state.energy_at_estimate ||
+         state.contact_energy > growth * state.contact_at_estimate + contact_share * state.elastic_energy;
 }
 
 }  // namespace
@@ -110,19 +117,20 @@ State Simulation::initial_state() {
 double Simulation::choose_step(State& state, double stop_time, std::string& limiter) {
   const Config& config = scene_.config;
   const auto start = Clock::now();
-  const double energy = state.elastic_energy + state.contact_energy;
-  const bool is_estimated = state.step >= state.next_estimate || (state.step >= state.last_estimate + estimate_soon && energy > quick_loading * state.energy_at_estimate);
+  const bool is_estimated = state.step >= state.next_estimate || (state.step >= state.last_estimate + estimate_soon && is_loaded(state, quick_loading)) ||
+                            (state.step >= state.last_estimate + estimate_at_once && is_loaded(state, sudden_loading));
   if (is_estimated) {
     const double before = state.frequency;
-    const bool is_loaded = energy > quick_stiffening * state.energy_at_estimate || state.step < state.cap_until_step;
+    const bool is_probed = is_loaded(state, slow_loading) || state.step < state.cap_until_step;
     // The tangent of contact belongs to these positions, also after a resume or a rollback.
     if (structure_->contact()) refresh(state);
     if (coupling_) coupling_->bind({state.x, state.v, structure_->is_fixed()});
     if (coupling_ && config.flag("coupling.relaxation")) update_relaxation(state);
-    if (is_loaded) stable_step_->look_at_stiff_nodes(state);
+    if (is_probed) stable_step_->look_at_stiff_nodes(state);
     stable_step_->update(state, *structure_, coupling_ ? &*coupling_ : nullptr, fluid_ ? &*fluid_ : nullptr, estimate_products);
     state.last_estimate = state.step;
-    state.energy_at_estimate = energy;
+    state.energy_at_estimate = state.elastic_energy;
+    state.contact_at_estimate = state.contact_energy;
     const bool is_soon = state.step < state.cap_until_step || (before > 0 && state.frequency > quick_stiffening * before);
     state.next_estimate = state.step + (is_soon ? estimate_soon : estimate_every);
     state.is_stiffening = is_soon;

@@ -44,7 +44,7 @@ struct State {
   double dt_cap = 1e300;              // s, after a rollback
   long cap_until_step = 0;
   long last_estimate = 0, next_estimate = 0;  // steps of the estimates of `frequency`: the last one, and at the latest the next
-  double energy_at_estimate = 0;      // J, of tissue and contact at the last one
+  double energy_at_estimate = 0, contact_at_estimate = 0;  // J, elastic and contact energy at the last one
   bool is_stiffening = false;         // `frequency` grew quickly from the last estimate but one to the last
   long rollbacks = 0, rollbacks_in_a_row = 0;
   double fastest = 0;                 // m/s, largest component of a node's velocity in the last step
