@@ -193,7 +193,7 @@ void Simulation::update_relaxation(State& state) {
 }
 
 void Simulation::advance(State& state, double dt) {
-  const double pressure = waveform_.at(state.time + dt);
+  const double pressure = waveform_.at(state.time + 0.5 * dt);  // second order in time: it acts over the whole step
   x_before_ = state.x;
   if (structure_->contact()) structure_->contact()->import_history(state.friction_slip);
   structure_->evaluate(state, dt, pressure, forces_, times_);
