@@ -87,7 +87,8 @@ CylinderResult run_cylinder(int cells, Kernel kernel, double end) {
 }
 
 void print(const char* kernel, int cells, const CylinderResult& r) {
-  std::printf("%s, %d cells across the channel, %.1f across the cylinder (%.0f s), drift of cd %.1e\n", kernel, cells, cells * 2 * radius / width, r.seconds, r.drift);
+  std::printf("%s, %d cells across the channel, %.1f across the cylinder (%.0f s), drift of cd %.1e\n", kernel, cells,
+              cells * 2 * radius / width, r.seconds, r.drift);
   print_comparison("cd", r.cd, middle(cd_range));
   print_comparison("cl", r.cl, middle(cl_range));
   print_comparison("pressure difference Pa", r.dp, middle(dp_range));

@@ -39,8 +39,9 @@ TurekHronSample run_fsi1(const TurekHronSpec& spec, double end) {
     last = run.advance(0.05 * end);
   }
   const SolidStatistics& solid = run.flow().statistics();
-  std::printf("FSI1, %s, %d cells across, %s, %s: uy still changes by %.2e mm/s, J %.4f .. %.4f (%.0f s)\n", name_of(spec.kernel), spec.cells, name_of(spec.modulus),
-              spec.relaxation == Relaxation::none ? "no relaxation" : "relaxed", (last.uy - before.uy) / (mm * (last.time - before.time)), solid.J_min, solid.J_max,
+  std::printf("FSI1, %s, %d cells across, %s, %s: uy still changes by %.2e mm/s, J %.4f .. %.4f (%.0f s)\n", name_of(spec.kernel), spec.cells,
+              name_of(spec.modulus), spec.relaxation == Relaxation::none ? "no relaxation" : "relaxed", (last.uy - before.uy) / (mm * (last.time - before.time)),
+              solid.J_min, solid.J_max,
               std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   print_comparison("ux mm", last.ux / mm, fsi1_ux);
   print_comparison("uy mm", last.uy / mm, fsi1_uy);

@@ -131,7 +131,8 @@ TEST(Valve2d, DISABLED_tip_curve) { compare({.cells = 76, .dt = 2e-5}, 2.5, 0.03
 TEST(Valve2d, DISABLED_relaxation_and_kernels) {
   for (const Kernel kernel : {Kernel::ib4, Kernel::ib3, Kernel::cbs32})
     for (const Relaxation relaxation : {Relaxation::none, Relaxation::all_forces}) {
-      std::printf("%s, %s\n", kernel == Kernel::ib4 ? "ib4" : kernel == Kernel::ib3 ? "ib3" : "cbs32", relaxation == Relaxation::none ? "no relaxation" : "relaxed");
+      std::printf("%s, %s\n", kernel == Kernel::ib4 ? "ib4" : kernel == Kernel::ib3 ? "ib3" : "cbs32",
+                  relaxation == Relaxation::none ? "no relaxation" : "relaxed");
       compare({.cells = 38, .kernel = kernel, .relaxation = relaxation, .dt = 3e-5}, 0.75, 0.06);
     }
 }
