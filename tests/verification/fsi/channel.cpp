@@ -52,7 +52,8 @@ double pressure_at(const SlabFlow& flow, double x, double z) {
 }
 
 void print_comparison(const char* what, double computed, double reference) {
-  std::printf("  %-28s computed %11.5g  reference %11.5g  difference %+.2f %%\n", what, computed, reference, 100 * (computed - reference) / std::abs(reference));
+  std::printf("  %-28s computed %11.5g  reference %11.5g  difference %+.2f %%\n", what, computed, reference,
+              100 * (computed - reference) / std::abs(reference));
   std::fflush(stdout);
 }
 

@@ -5,7 +5,7 @@
 // kernel makes the cylinder larger by a part of a cell: errors fall with first order.
 //
 // The nodes are one ring, 1.5 h apart. A ring of h/2 holds forces that hardly move the blood; the integral control winds them up (cd still
-// grows by 0.1 % a second of 16 flow times after 8 s), and rings inside, where the blood rests anyway, push the surface outwards: 64 cells
+// grows by 0.2 % a second after 8 s), and rings inside, where the blood rests anyway, push the surface outwards: 64 cells
 // across the channel give cd 6.39 with two rings, 6.68 with a filled disc, 5.91 with one.
 #include <gtest/gtest.h>
 
@@ -87,7 +87,8 @@ CylinderResult run_cylinder(int cells, Kernel kernel, double end) {
 }
 
 void print(const char* kernel, int cells, const CylinderResult& r) {
-  std::printf("%s, %d cells across the channel, %.1f across the cylinder (%.0f s), drift of cd %.1e\n", kernel, cells, cells * 2 * radius / width, r.seconds, r.drift);
+  std::printf("%s, %d cells across the channel, %.1f across the cylinder (%.0f s), drift of cd %.1e\n", kernel, cells,
+              cells * 2 * radius / width, r.seconds, r.drift);
   print_comparison("cd", r.cd, middle(cd_range));
   print_comparison("cl", r.cl, middle(cl_range));
   print_comparison("pressure difference Pa", r.dp, middle(dp_range));

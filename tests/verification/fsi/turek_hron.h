@@ -24,7 +24,7 @@ struct TurekHronSpec {
   double mean_velocity = 0.2;    // m/s
   PlateModulus modulus = PlateModulus::matched;
   Kernel kernel = Kernel::ib4;
-  Relaxation relaxation = Relaxation::none;
+  Relaxation relaxation = Relaxation::all_forces;
   double dt = 2e-4;  // s
 };
 

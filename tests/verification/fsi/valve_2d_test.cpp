@@ -105,10 +105,15 @@ void compare(const ValveSpec& spec, double end, double tolerance) {
   for (std::size_t q = 0; q < times.size() && times[q] <= end; ++q) {
     valve.advance_to(times[q]);
     const Tip tip = valve.tip();
-    std::printf("t %.2f s  along: computed %.3f  reference %.3f / %.3f  difference %+.1f / %+.1f %%   across: computed %.3f  reference %.3f / %.3f  difference %+.1f / %+.1f %%   J %.3f .. %.3f (%.0f s)\n",
-                times[q], tip.along / cm, along_first[q], along_second[q], 100 * (tip.along / cm / along_first[q] - 1), 100 * (tip.along / cm / along_second[q] - 1),
-                tip.across / cm, across_first[q], across_second[q], 100 * (tip.across / cm / across_first[q] - 1), 100 * (tip.across / cm / across_second[q] - 1),
-                valve.flow().statistics().J_min, valve.flow().statistics().J_max, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    const auto line = [](const char* what, double computed, double first, double second) {
+      std::printf("  %-6s computed %.3f cm  reference %.3f / %.3f  difference %+.1f / %+.1f %%\n", what, computed, first, second, 100 * (computed / first - 1),
+                  100 * (computed / second - 1));
+    };
+    const SolidStatistics& solid = valve.flow().statistics();
+    std::printf("t %.2f s, %d cells across, J %.3f .. %.3f (%.0f s)\n", times[q], spec.cells, solid.J_min, solid.J_max,
+                std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    line("along", tip.along / cm, along_first[q], along_second[q]);
+    line("across", tip.across / cm, across_first[q], across_second[q]);
     std::fflush(stdout);
     EXPECT_NEAR(tip.along / cm, along_first[q], tolerance);
     EXPECT_NEAR(tip.across / cm, across_first[q], tolerance);
@@ -126,7 +131,8 @@ TEST(Valve2d, DISABLED_tip_curve) { compare({.cells = 76, .dt = 2e-5}, 2.5, 0.03
 TEST(Valve2d, DISABLED_relaxation_and_kernels) {
   for (const Kernel kernel : {Kernel::ib4, Kernel::ib3, Kernel::cbs32})
     for (const Relaxation relaxation : {Relaxation::none, Relaxation::all_forces}) {
-      std::printf("%s, %s\n", kernel == Kernel::ib4 ? "ib4" : kernel == Kernel::ib3 ? "ib3" : "cbs32", relaxation == Relaxation::none ? "no relaxation" : "relaxed");
+      std::printf("%s, %s\n", kernel == Kernel::ib4 ? "ib4" : kernel == Kernel::ib3 ? "ib3" : "cbs32",
+                  relaxation == Relaxation::none ? "no relaxation" : "relaxed");
       compare({.cells = 38, .kernel = kernel, .relaxation = relaxation, .dt = 3e-5}, 0.75, 0.06);
     }
 }
