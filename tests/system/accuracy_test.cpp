@@ -32,7 +32,7 @@ TEST(AccuracyCommand, two_coarse_levels_give_tables_page_and_settings_and_are_re
   const std::string command = "mvsolve accuracy -o " + out.string() + " --spacings 4,3 --end 0.02 --window 0.005 --no-variations --small --no-scene-parts --budget 300";
   ASSERT_EQ(run(command, log), 0) << mv::read_file(log);
   const std::string csv = mv::read_file(out / "accuracy.csv"), page = mv::read_file(out / "accuracy.html");
-  for (const char* study : {"closure,f4-s2,", "closure,f3-s1.5,", "tube_start,cells-6,", "sheet,f4-s2-ib3,"}) EXPECT_NE(csv.find(study), std::string::npos) << study;
+  for (const char* study : {"closure,f4-s2,", "closure,f3-s1.5,", "tube_start,cells-6,", "sheet,f3-s1.5,"}) EXPECT_NE(csv.find(study), std::string::npos) << study;
   EXPECT_NE(page.find("<svg"), std::string::npos);
   EXPECT_EQ(page.find("<script"), std::string::npos);
   EXPECT_TRUE(fs::exists(out / "recommended.toml"));
