@@ -114,9 +114,9 @@ void keep_one_chorda(Scene& scene) {
   chordae.segments = std::move(path);
 }
 
-void set_beats(Scene& scene, int count, double length) {
+void set_beats(Scene& scene, int count, double length, double peak_mmHg) {
   // Shares of a beat and mmHg.
-  constexpr double beat[][2] = {{0, -5}, {0.05, -5}, {0.3, 80}, {0.6, 80}, {0.75, -5}};
+  const double beat[][2] = {{0, -5}, {0.05, -5}, {0.3, peak_mmHg}, {0.6, peak_mmHg}, {0.75, -5}};
   std::string csv = "time_s,pressure_mmHg\n";
   for (int b = 0; b < count; ++b)
     for (const auto& [share, pressure] : beat) csv += fmt::format("{:.6f},{}\n", (b + share) * length, pressure);

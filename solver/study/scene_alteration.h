@@ -21,7 +21,7 @@ void bring_to_touch(Scene& scene);
 /// Leaves one chorda, the primary one of the anterior leaflet nearest to its middle.
 void keep_one_chorda(Scene& scene);
 
-/// Pressure of many short beats (stability_cases.h), written into the case as pressure.csv: closes, holds 80 mmHg, opens at -5 mmHg.
-void set_beats(Scene& scene, int count, double length);
+/// Pressure of many short beats (stability_cases.h), written into the case as pressure.csv: closes, holds its peak, opens at -5 mmHg.
+void set_beats(Scene& scene, int count, double length, double peak_mmHg);
 
 }  // namespace mv

@@ -27,12 +27,14 @@ constexpr double steps_allowed = 5e7;                        // some days of the
 constexpr double bytes_per_cell = 400, bytes_per_tet = 400;
 // Points must stay this many cells inside the open ends, where kernels need support.
 constexpr double end_cells = 2.0;
-// Without chordae leaflets turn inside out and stretch towards the atrium; with them they bulge.
-constexpr double reach_without_chordae = 1.1, reach_with_chordae = 0.4;
+// Without chordae leaflets turn inside out and stretch towards the atrium; held ones bulge, and what lies off the nearest chorda flails.
+constexpr double reach_without_chordae = 1.1, reach_with_chordae = 0.25;
+// Tissue in blood keeps its volume as far as its volumetric stiffness exceeds the pressure: 2 MPa at 16 kPa drifts by 0.8 %, 75 kPa by 23 %.
+constexpr double bulk_over_pressure = 10;
 
 double poisson_ratio(double bulk, double shear) { return (3 * bulk - 2 * shear) / (6 * bulk + 2 * shear); }
 
-void check_tissue(const Scene& scene) {
+void check_tissue(const Scene& scene, double largest_pressure) {
   const Config& config = scene.config;
   for (const char* leaflet : {"anterior", "posterior"}) {
     const Material material = material_of(config, leaflet);
@@ -42,6 +44,10 @@ void check_tissue(const Scene& scene) {
       throw ConfigError(fmt::format("leaflet.bulk: {:.4g} Pa with the {} leaflet's shear modulus of {:.4g} Pa is a Poisson's ratio of {:.2f}; at least {:.4g} Pa (ratio 0) "
                                     "is needed, or set leaflet.poisson_ratio",
                                     material.bulk, leaflet, shear, nu, 2 * shear / 3));
+    if (scene.has_fluid() && material.bulk < bulk_over_pressure * largest_pressure)
+      throw ConfigError(fmt::format("leaflet.bulk: {:.4g} Pa (Poisson's ratio {:.3f}) under {:.4g} Pa: tissue in blood keeps its volume only when its volumetric stiffness is {:.0f} times the "
+                                    "pressure or more; raise leaflet.bulk or leaflet.poisson_ratio, or leave the blood out (fluid.enabled = false)",
+                                    material.bulk, nu, largest_pressure, bulk_over_pressure));
   }
   if (!scene.has_fluid()) return;
   const double tissue = config.number("leaflet.density"), blood = config.number("fluid.density");
@@ -127,6 +133,26 @@ bool is_inside(const std::vector<Vec2>& outline, const Vec2& p) {
   return inside;
 }
 
+/// Largest distance (mm) of a point of the free border from the nearest chorda's end; 1e300 without chordae. Those that will be cut do not hold.
+double longest_flail(const Scene& scene) {
+  std::vector<char> holds(scene.chordae.points.size(), 0);
+  for (std::size_t s = 0; s < scene.chordae.segments.size(); ++s) {
+    const auto& cut = scene.config.numbers("chordae.cut");
+    if (std::find(cut.begin(), cut.end(), static_cast<double>(s)) == cut.end()) holds[static_cast<std::size_t>(scene.chordae.segments[s].b)] = 1;
+  }
+  std::vector<Vec3> ends;
+  for (const Insertion& i : scene.chordae.insertions)
+    if (holds[static_cast<std::size_t>(i.point)]) ends.push_back(scene.mesh.points[static_cast<std::size_t>(i.node)]);
+  double longest = 0;
+  for (std::size_t i = 0; i < scene.mesh.points.size(); ++i) {
+    if (!scene.mesh.on_free_edge[i]) continue;
+    double nearest = 1e300;
+    for (const Vec3& end : ends) nearest = std::min(nearest, (end - scene.mesh.points[i]).squaredNorm());
+    longest = std::max(longest, std::sqrt(nearest));
+  }
+  return longest;
+}
+
 void check_room(const Scene& scene) {
   if (!scene.has_fluid()) return;
   const Tube& tube = scene.tube;
@@ -147,11 +173,11 @@ void check_room(const Scene& scene) {
                                 "tube.clearance, tube.length_ventricle or tube.length_atrium",
                                 outside, margin, first, p.x(), p.y(), p.z()));
   }
-  const double room = tube.z_atrium - margin - annulus_top, need = (scene.has_chordae() ? reach_with_chordae : reach_without_chordae) * length;
+  const double room = tube.z_atrium - margin - annulus_top, need = std::min(reach_without_chordae * length, reach_with_chordae * length + longest_flail(scene));
   if (room < need)
     throw GateError(fmt::format("tube.length_atrium: the leaflets are {:.1f} mm long and may reach {:.1f} mm into the atrium{}, the tube leaves {:.1f} mm there; lengthen it by "
                                 "{:.0f} mm",
-                                length, need, scene.has_chordae() ? "" : " without chordae", room, std::ceil(need - room)));
+                                length, need, scene.has_chordae() ? " where no chorda is near" : " without chordae", room, std::ceil(need - room)));
 }
 
 void warn_of_leaks(const Scene& scene) {
@@ -192,7 +218,7 @@ double smallest_dihedral(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3
 }
 
 void preflight(const Scene& scene, const Waveform& waveform) {
-  check_tissue(scene);
+  check_tissue(scene, waveform.largest());
   check_length(scene, waveform);
   check_memory(scene);
   check_elements(scene);
