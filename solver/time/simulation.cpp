@@ -324,9 +324,10 @@ std::string Simulation::step(State& state, double stop_time) {
     has_snapshot_ = true;
   }
   std::string limiter;
-  const double dt = choose_step(state, stop_time, limiter);
+  double dt = state.dt;
   std::string reason;
   try {
+    dt = choose_step(state, stop_time, limiter);
     advance(state, dt);
     reason = failure(state, outside_);
   } catch (const TrustError& error) {
