@@ -111,7 +111,10 @@ AccuracyResult run_accuracy(const AccuracyOptions& options) {
   write_json(directory / "accuracy.json", accuracy_json(result));
   if (!result.parts.empty()) write_text_atomically(directory / "scene_parts.csv", scene_parts_csv(result.parts));
   write_text_atomically(directory / "recommended.toml", recommended_toml(result.recommended, options.command_line));
-  write_text_atomically(options.table_file.empty() ? directory / "recommended_table.cpp" : options.table_file, recommended_source(result.recommended, options.command_line));
+  // The built-in table is part of the source: no path of this machine in it.
+  std::string command = options.command_line;
+  if (const std::size_t at = command.find(directory.string()); at != std::string::npos) command.replace(at, directory.string().size(), "DIR");
+  write_text_atomically(options.table_file.empty() ? directory / "recommended_table.cpp" : options.table_file, recommended_source(result.recommended, command));
   write_text_atomically(directory / "accuracy.html", accuracy_page(result, options));
   return result;
 }
