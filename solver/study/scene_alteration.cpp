@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 
 #include "geometry/core/case_files.h"
@@ -18,7 +17,8 @@ namespace mv {
 namespace {
 
 constexpr std::size_t squashed_nodes = 12;
-constexpr double touching_slack = 0.01;
+constexpr double bump_width_mm = 7;     // along the commissures
+constexpr double touching_slack_mm = 0.05;
 
 double angle_around(const LeafletMesh& mesh, const std::vector<std::size_t>& elements) {
   double smallest = 180;
@@ -59,35 +59,37 @@ void squash_elements(Scene& scene, double degrees) {
   }
 }
 
-void bring_together(Scene& scene, double closing) {
+void bring_together(Scene& scene, double distance) {
   LeafletMesh& mesh = scene.mesh;
-  const Vec3 e3 = -scene.annulus.normal, e1 = scene.annulus.axis_major, e2 = e3.cross(e1).normalized();
-  // Points of one column through the thickness share their place on the flat pattern, and move together.
-  std::map<std::pair<double, double>, std::pair<double, int>> columns;
-  double length = 0;
+  const Vec3 e3 = -scene.annulus.normal, e1 = scene.annulus.axis_major;
+  Vec3 e2 = e3.cross(e1).normalized();
+  double length = 0, side = 0;
+  for (std::size_t e = 0; e < mesh.tets.size(); ++e)
+    if (mesh.region[e] == anterior) side += e2.dot(mesh.points[static_cast<std::size_t>(mesh.tets[e][0])] - scene.annulus.origin);
+  if (side < 0) e2 = -e2;
+  for (const Vec2& uv : mesh.unfolded) length = std::max(length, uv.y());
+  std::vector<char> moves(mesh.points.size(), 0);
+  for (std::size_t e = 0; e < mesh.tets.size(); ++e)
+    for (int c = 0; c < mesh.nodes_per_tet(); ++c)
+      if (mesh.region[e] == anterior) moves[static_cast<std::size_t>(mesh.tets[e][static_cast<std::size_t>(c)])] = 1;
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-    auto& [sum, count] = columns[{mesh.unfolded[i].x(), mesh.unfolded[i].y()}];
-    sum += e2.dot(mesh.points[i] - scene.annulus.origin);
-    ++count;
-    length = std::max(length, mesh.unfolded[i].y());
-  }
-  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-    const auto& [sum, count] = columns[{mesh.unfolded[i].x(), mesh.unfolded[i].y()}];
-    mesh.points[i] -= closing * std::min(1.0, 2 * mesh.unfolded[i].y() / length) * sum / count * e2;
+    if (!moves[i]) continue;
+    const double along = e1.dot(mesh.points[i] - scene.annulus.origin) / bump_width_mm, drop = mesh.unfolded[i].y() / length;
+    mesh.points[i] -= distance * drop * drop * std::exp(-along * along) * e2;
   }
 }
 
 void bring_to_touch(Scene& scene) {
   const LeafletMesh open = scene.mesh;
-  double low = 0, high = 1.5;
-  while (high - low > 1e-3) {
+  double low = 0, high = 40;
+  while (high - low > 0.01) {
     scene.mesh = open;
     const double middle = 0.5 * (low + high);
     bring_together(scene, middle);
     (has_crossings(scene.mesh) ? high : low) = middle;
   }
   scene.mesh = open;
-  bring_together(scene, std::max(0.0, low - touching_slack));
+  bring_together(scene, std::max(0.0, low - touching_slack_mm));
 }
 
 void keep_one_chorda(Scene& scene) {

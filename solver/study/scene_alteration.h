@@ -12,10 +12,10 @@ namespace mv {
 /// value inverts it.
 void squash_elements(Scene& scene, double degrees);
 
-/// Shears the leaflets towards each other, thickness kept: `closing` 0 leaves them, 1 brings both borders to the plane between them.
-void bring_together(Scene& scene, double closing);
+/// Shears the middle of the anterior leaflet towards the posterior one, by up to `distance` (mm) at its border; volumes stay.
+void bring_together(Scene& scene, double distance);
 
-/// The largest closing (in thousandths) without crossing triangles, less a hundredth: borders touch within the contact's range.
+/// As far as that goes without crossing triangles, less a twentieth of a millimetre: borders touch within the contact's range.
 void bring_to_touch(Scene& scene);
 
 /// Leaves one chorda, the primary one of the anterior leaflet nearest to its middle.

@@ -181,7 +181,7 @@ void add_contact(Table& t) {
   t.add("friction_1", "Coulomb coefficient 1", {"contact.friction=1"});
   t.axis("leaflets touching or crossing at the start");
   t.add("start_touching", "leaflets within the contact's range", {"gates.min_dihedral=0.5 deg"}, whole, Behaviour::rests).alter = bring_to_touch;
-  t.refuse("start_crossing", "leaflets through each other", {"gates.min_dihedral=0 deg"}).alter = [](Scene& scene) { bring_together(scene, 1.3); };
+  t.refuse("start_crossing", "leaflets through each other", {"gates.min_dihedral=0 deg"}).alter = [](Scene& scene) { bring_together(scene, 30); };
 }
 
 void add_chordae(Table& t) {

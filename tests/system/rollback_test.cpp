@@ -25,7 +25,7 @@ struct Rollback : testing::Test {
   Rollback() {
     const mv::MadeCase made = mv::CaseMaker(directory, fs::path(MV_BIN_DIR) / "mvprep").make("coarse", "[mesh]\nspacing = \"2 mm\"\n[tube]\nspacing = \"4 mm\"\n");
     EXPECT_TRUE(made.is_made()) << made.error;
-    simulation.emplace(mv::load_scene(made.directory, {"pressure.rise_time=15 ms", "time.step_max=1 ms"}));
+    simulation.emplace(mv::load_scene(made.directory, {"pressure.rise_time=15 ms", "time.step_max=10 ms"}));
     state = simulation->initial_state();
   }
   ~Rollback() override { fs::remove_all(directory); }
@@ -42,6 +42,10 @@ struct Rollback : testing::Test {
 };
 
 TEST_F(Rollback, a_spoiled_step_is_halved_the_state_restored_and_the_run_goes_on) {
+  mv::Scene scene = simulation->scene();
+  scene.config.set("time.step_max=100 us");
+  simulation.emplace(std::move(scene));
+  state = simulation->initial_state();
   advance_to(end);
   const double volume = state.volume_backward, steps = static_cast<double>(state.step);
 
@@ -78,12 +82,11 @@ TEST_F(Rollback, a_step_beyond_the_stable_one_is_halved_until_the_run_is_stable)
   const double volume = state.volume_backward;
   state = simulation->initial_state();
   advance_to(0.25 * end);
-  // From here on the solver takes the valve for forty times as soft as it is: steps grow beyond the stable one until they fail.
-  double longest = 0;
+  // From here on, between two estimates, the solver takes the valve for infinitely soft: steps grow beyond the stable one until they fail.
   while (state.time < end - 1e-12) {
     simulation->step(state, end);
-    longest = std::max(longest, state.dt * 0.5 * state.frequency);
-    state.frequency /= 40;
+    state.frequency = 0;
+    state.dt = 0;   // nor does the last step limit the next
   }
   std::printf("%ld rollbacks; backward volume: undisturbed %.4f ml, halved %.4f ml\n", state.rollbacks, 1e6 * volume, 1e6 * state.volume_backward);
   EXPECT_GE(state.rollbacks, 1);
@@ -135,7 +138,7 @@ TEST_F(Rollback, a_fixed_step_beyond_the_stable_one_is_reduced) {
 
 TEST_F(Rollback, work_of_moved_tips_and_cut_chordae_is_in_the_budget) {
   mv::Scene scene = simulation->scene();
-  for (const char* setting : {"pressure.peak=0 mmHg", "papillary.displacement=[0 mm, 0 mm, -10 mm]", "papillary.move_start=1 ms", "papillary.move_time=2 ms", "chordae.cut=[0, 1, 2]",
+  for (const char* setting : {"pressure.peak=0 mmHg", "time.step_max=50 us", "papillary.displacement=[0 mm, 0 mm, -10 mm]", "papillary.move_start=1 ms", "papillary.move_time=2 ms", "chordae.cut=[0, 1, 2]",
                               "chordae.cut_time=5 ms"})
     scene.config.set(setting);
   simulation.emplace(std::move(scene));

@@ -16,11 +16,12 @@ namespace {
 namespace fs = std::filesystem;
 using mv::Verdict;
 
-mv::StabilityCase quick(const std::string& name, double end = 0.002) {
+mv::StabilityCase quick(const std::string& name, double end = 0.01) {
   mv::StabilityCase c;
   c.name = name;
   c.axis = "quick";
   c.geometry = {"mesh.spacing=2 mm", "tube.spacing=4 mm"};
+  c.settings = {"pressure.rise_time=5 ms", "time.step_max=100 us"};
   c.end = end;
   c.behaviour = mv::Behaviour::rests;
   return c;
@@ -47,7 +48,7 @@ TEST_F(Stability, sound_and_refused_cases_end_with_code_0_a_table_and_a_page) {
   std::vector<mv::StabilityCase> cases{quick("sound")};
   cases.push_back(refused("crossing", [](mv::Scene& scene) {
     scene.config.set("gates.min_dihedral=0 deg");
-    mv::bring_together(scene, 1.5);
+    mv::bring_together(scene, 30);
   }));
   cases.push_back(refused("squashed", [](mv::Scene& scene) { mv::squash_elements(scene, 1); }));
   cases.push_back(refused("inverted", [](mv::Scene& scene) {
