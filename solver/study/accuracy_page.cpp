@@ -15,7 +15,7 @@ namespace {
 
 using html::escape;
 
-std::string percent(double value) { return std::isfinite(value) ? fmt::format("{:.2g} %", value) : "–"; }
+std::string percent(double value) { return std::isfinite(value) ? html::number(value, 2) + " %" : "–"; }
 
 Marker marker_of(const std::string& axis) {
   if (axis == "resolution" || axis == "fluid spacing") return Marker::circle;
@@ -106,7 +106,7 @@ std::string runs_table(const StudyTable& t, bool is_errors) {
     if (!row.has_values) continue;
     table.push_back({"<code>" + escape(row.run) + "</code>", escape(row.what), html::number(row.seconds)});
     for (std::size_t q = 0; q < t.quantities.size(); ++q) {
-      const std::string text = is_errors ? (std::isfinite(row.errors[q]) ? fmt::format("{:.2g}", row.errors[q]) : "–") : html::number(row.values[q], 4);
+      const std::string text = is_errors ? (std::isfinite(row.errors[q]) ? html::number(row.errors[q], 2) : "–") : html::number(row.values[q], 4);
       const bool is_on_front = std::find(fronts[q].begin(), fronts[q].end(), r) != fronts[q].end();
       table.back().push_back(is_errors && is_on_front ? "<strong>" + text + "</strong>" : text);
     }

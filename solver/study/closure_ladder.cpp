@@ -8,6 +8,7 @@
 #include <cmath>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #include "geometry/core/case_files.h"
 #include "geometry/core/config.h"
@@ -145,12 +146,16 @@ class LadderRunner {
     const std::string hash = hash_of(made.directory, settings);
     if (options_.is_fresh || !read_record(record_file, record) || record.hash != hash) {
       double left, needed;
+      bool is_first;
       {
         const std::lock_guard lock(mutex_);
+        is_first = !std::exchange(has_run_, true);
         left = options_.budget - std::chrono::duration<double>(Clock::now() - start_).count();
         needed = expected(row);
       }
-      if (needed > left) {
+      // One run at least, or there would be nothing to estimate the others from.
+      const bool fits = needed > 0 ? needed <= left : is_first || left > 0;
+      if (!fits) {
         row.failure = fmt::format("left out: it needs about {:.0f} s, the budget has {:.0f} s left", needed, std::max(left, 0.0));
         spdlog::warn("{}: {}", row.run, row.failure);
         return;
@@ -196,6 +201,7 @@ class LadderRunner {
   Clock::time_point start_;
   std::vector<StudyRow> rows_;
   std::size_t next_ = 0;
+  bool has_run_ = false;   // a run was started or found not to fit
   std::mutex mutex_, case_mutex_;
   std::exception_ptr error_;
 };

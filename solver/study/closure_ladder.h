@@ -26,7 +26,7 @@ struct LadderOptions {
   double end = 0.15;                        // s simulated; the valve closes at about 45 ms
   double window = 0.03;                     // s at the end over which oscillating quantities are averaged
   bool has_variations = true;
-  double budget = 1800;                     // s of wall time for all runs that are not there yet
+  double budget = 1800;                     // s of wall time for all runs that are not there yet; one runs in any case when there is none
   int jobs = 1;                             // runs at a time, one thread each
   bool is_fresh = false;                    // run again what is there
 };
