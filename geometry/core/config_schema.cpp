@@ -145,12 +145,12 @@ const Row rows[] = {
 
     {"time.end", "time", "0.25 s", "0 s .. 1000 s", "simulated time"},
     {"time.step_max", "time", "50 us", "0.001 us .. 10000 us", "largest step"},
-    {"time.safety", "number", "0.6", "0.01 .. 1", "share of the estimated stable step that is used"},
+    {"time.safety", "number", "0.8", "0.01 .. 1", "share of the estimated stable step that is used"},
     {"time.step_fixed", "time?", "auto", "0.001 us .. 10000 us", "fixed step instead of the adaptive one"},
 
     {"output.frames_every", "time", "10 ms", "0.001 ms ..", "time between two frames of the leaflets"},
     {"output.fluid_every", "time", "50 ms", "0.001 ms ..", "time between two frames of the fluid"},
-    {"output.series_every", "time", "0.5 ms", "0.001 ms ..", "time between two lines of series.csv"},
+    {"output.series_every", "time", "1 ms", "0.001 ms ..", "time between two lines of series.csv"},
     {"output.checkpoint_every", "time", "50 ms", "0.001 ms ..", "time between two checkpoints"},
     // clang-format on
 };

@@ -69,6 +69,25 @@ void parallel_for(std::ptrdiff_t n, Body&& body, std::ptrdiff_t serial_below = s
       serial_below);
 }
 
+/// Calls body(begin, end, thread) for pieces of `piece` items that the threads take in turn: for loops whose work is bunched up somewhere. Which thread does
+/// which piece must not matter for the result.
+template <class Body>
+void parallel_pieces(std::ptrdiff_t n, std::ptrdiff_t piece, Body&& body, std::ptrdiff_t serial_below = serial_loop_limit) {
+#ifdef _OPENMP
+  if (n >= serial_below && omp_get_max_threads() > 1) {
+#pragma omp parallel
+    {
+      const std::ptrdiff_t step = piece * omp_get_num_threads();
+      const std::ptrdiff_t t = omp_get_thread_num();
+      for (std::ptrdiff_t begin = piece * t; begin < n; begin += step) detail::run_range(body, begin, begin + piece < n ? begin + piece : n, static_cast<int>(t));
+    }
+    return;
+  }
+#endif
+  (void)serial_below;
+  detail::run_range(body, std::ptrdiff_t{0}, n, 0);
+}
+
 /// Sum of value(i) for i in [0, n) in blocks of fixed size, so that the result does not depend on the thread count.
 template <class Value>
 double parallel_sum(std::ptrdiff_t n, Value&& value);

@@ -12,6 +12,7 @@
 
 #include "geometry/core/errors.h"
 #include "geometry/core/parallel.h"
+#include "solver/contact/node_lists.h"
 
 namespace mv {
 namespace {
@@ -169,15 +170,35 @@ bool CandidateSearch::is_excluded(int node, int triangle) const {
   return !is_exception(node, triangle);
 }
 
-void CandidateSearch::update(std::span<const double> x, double radius) {
+/// Triangles whose normal n has a . n >= cosine, a the node's axis, cannot face the node: a cone around the normals of the node's
+/// triangles says how far any of them is from a.
+CandidateSearch::View CandidateSearch::view_of(int node, double turn) const {
+  Vec3 sum = Vec3::Zero();
+  for (int r = surface_.ring_start[node]; r < surface_.ring_start[node + 1]; ++r) sum += normal_[surface_.ring[r]];
+  const View everything{Eigen::Vector3f::Zero(), 2.0F};
+  if (!(sum.squaredNorm() > 1e-6)) return everything;
+  const Vec3 axis = sum.normalized();
+  double opening = 1;
+  for (int r = surface_.ring_start[node]; r < surface_.ring_start[node + 1]; ++r) opening = std::min(opening, axis.dot(normal_[surface_.ring[r]]));
+  // Each normal may turn by `turn`: a scalar product of 2 turn now is at least 0 until then.
+  const double angle = std::acos(std::min(1.0, 2 * turn)) - std::acos(std::clamp(opening, -1.0, 1.0));
+  if (!(angle > 0)) return everything;
+  return {axis.cast<float>(), static_cast<float>(std::cos(angle) + 1e-5)};
+}
+
+void CandidateSearch::update(std::span<const double> x, double radius, double turn) {
   const int nodes = surface_.node_count(), triangles = surface_.triangle_count();
   centre_.resize(surface_.triangles.size());
+  normal_.resize(surface_.triangles.size());
   radius_.resize(surface_.triangles.size());
   parallel_for(triangles, [&](std::ptrdiff_t f) {
     const auto& t = surface_.triangles[f];
     const Vec3 a = point(x, surface_.nodes[t[0]]), b = point(x, surface_.nodes[t[1]]), c = point(x, surface_.nodes[t[2]]);
     const Vec3 m = (a + b + c) / 3;
     centre_[f] = m;
+    normal_[f] = (b - a).cross(c - a);
+    const double area = normal_[f].norm();
+    normal_[f] = area > 0 ? Vec3(normal_[f] / area) : Vec3::Zero();
     radius_[f] = std::sqrt(std::max({(a - m).squaredNorm(), (b - m).squaredNorm(), (c - m).squaredNorm()}));
   });
   Vec3 lower = centre_[0], upper = centre_[0];
@@ -194,7 +215,7 @@ void CandidateSearch::update(std::span<const double> x, double radius) {
   const float margin = static_cast<float>(1e-6 * (lower.norm() + upper.norm()) + 1e-4 * radius);  // single precision
   grid_.reset(lower, upper, distance);
   grid_.sort(triangles, [&](int f) { return grid_.cell_index(grid_.cell(centre_[f])); });
-  for (auto* array : {&cx_, &cy_, &cz_, &reach_squared_, &rx_, &ry_, &rz_}) array->resize(surface_.triangles.size());
+  for (auto* array : {&cx_, &cy_, &cz_, &reach_squared_, &rx_, &ry_, &rz_, &nx_, &ny_, &nz_}) array->resize(surface_.triangles.size());
   side_.resize(surface_.triangles.size());
   parallel_for(triangles, [&](std::ptrdiff_t k) {
     const int f = grid_.item(static_cast<int>(k));
@@ -206,51 +227,45 @@ void CandidateSearch::update(std::span<const double> x, double radius) {
     rx_[k] = rest_centre_[f][0];
     ry_[k] = rest_centre_[f][1];
     rz_[k] = rest_centre_[f][2];
+    nx_[k] = static_cast<float>(normal_[f][0]);
+    ny_[k] = static_cast<float>(normal_[f][1]);
+    nz_[k] = static_cast<float>(normal_[f][2]);
     side_[k] = surface_.triangle_side[f];
   });
 
-  found_.resize(std::max(found_.size(), static_cast<std::size_t>(thread_count())));
-  for (auto& list : found_) list.clear();
-  start_[0] = 0;
   const Vec3 reach = Vec3::Constant(distance + margin);
-  parallel_ranges(nodes, [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
-    auto& list = found_[thread];
+  fill_node_lists(nodes, found_, start_, triangle_, [&](int n, std::vector<int>& list) {
+    const std::size_t before = list.size();
     constexpr int chunk = 64;
     std::array<int, chunk> flag;
-    for (std::ptrdiff_t n = begin; n < end; ++n) {
-      const std::size_t before = list.size();
-      const Vec3 p = point(x, surface_.nodes[n]);
-      const Eigen::Vector3f pf = p.cast<float>(), rest = rest_node_[n];
-      const int own_side = surface_.node_side[n];
-      const int has_exceptions = exception_start_[n + 1] > exception_start_[n];
-      grid_.for_runs(grid_.cell(p - reach), grid_.cell(p + reach), [&](int first, int last) {
-        for (int base = first; base < last; base += chunk) {
-          const int count = std::min(chunk, last - base);
-          int any = 0;
-          for (int k = 0; k < count; ++k) {
-            const int j = base + k;
-            const float dx = cx_[j] - pf[0], dy = cy_[j] - pf[1], dz = cz_[j] - pf[2];
-            const float ex = rx_[j] - rest[0], ey = ry_[j] - rest[1], ez = rz_[j] - rest[2];
-            const int near = dx * dx + dy * dy + dz * dz <= reach_squared_[j];
-            const int own = ex * ex + ey * ey + ez * ez < (side_[j] == own_side ? exclusion_squared_ : exclusion_squared_through_);
-            flag[k] = (near & (own ^ 1)) + 3 * (near & own & has_exceptions);  // 1: candidate, 3: only if excepted
-            any |= flag[k];
-          }
-          if (!any) continue;
-          for (int k = 0; k < count; ++k) {
-            if (flag[k] == 1 || (flag[k] == 3 && is_exception(static_cast<int>(n), grid_.item(base + k))))
-              list.push_back(grid_.item(base + k));
-          }
+    const Vec3 p = point(x, surface_.nodes[n]);
+    const Eigen::Vector3f pf = p.cast<float>(), rest = rest_node_[n];
+    const int own_side = surface_.node_side[n];
+    const View view = view_of(n, turn);
+    const int has_exceptions = exception_start_[n + 1] > exception_start_[n];
+    grid_.for_runs(grid_.cell(p - reach), grid_.cell(p + reach), [&](int first, int last) {
+      for (int base = first; base < last; base += chunk) {
+        const int count = std::min(chunk, last - base);
+        int any = 0;
+        for (int k = 0; k < count; ++k) {
+          const int j = base + k;
+          const float dx = cx_[j] - pf[0], dy = cy_[j] - pf[1], dz = cz_[j] - pf[2];
+          const float ex = rx_[j] - rest[0], ey = ry_[j] - rest[1], ez = rz_[j] - rest[2];
+          const float aligned = nx_[j] * view.axis[0] + ny_[j] * view.axis[1] + nz_[j] * view.axis[2];
+          const int near = (dx * dx + dy * dy + dz * dz <= reach_squared_[j]) & (aligned < view.cosine);
+          const int own = ex * ex + ey * ey + ez * ez < (side_[j] == own_side ? exclusion_squared_ : exclusion_squared_through_);
+          flag[k] = (near & (own ^ 1)) + 3 * (near & own & has_exceptions);  // 1: candidate, 3: only if excepted
+          any |= flag[k];
         }
-      });
-      std::sort(list.begin() + static_cast<std::ptrdiff_t>(before), list.end());
-      start_[n + 1] = static_cast<int>(list.size() - before);
-    }
+        if (!any) continue;
+        for (int k = 0; k < count; ++k) {
+          if (flag[k] == 1 || (flag[k] == 3 && is_exception(n, grid_.item(base + k))))
+            list.push_back(grid_.item(base + k));
+        }
+      }
+    });
+    std::sort(list.begin() + static_cast<std::ptrdiff_t>(before), list.end());
   });
-  for (int n = 0; n < nodes; ++n) start_[n + 1] += start_[n];
-  triangle_.resize(static_cast<std::size_t>(start_.back()));
-  auto out = triangle_.begin();
-  for (const auto& list : found_) out = std::copy(list.begin(), list.end(), out);
 }
 
 }  // namespace mv

@@ -25,7 +25,12 @@ class CandidateSearch {
 
   /// Lists for every surface node all triangles closer than `radius` (m; never misses one, may list some that are further) that
   /// are not excluded, in ascending order. `x`: 3 * solid_nodes. Throws TrustError when x is not finite. Reuses its memory.
-  void update(std::span<const double> x, double radius);
+  /// Triangles that look the same way as the node are left out, too: those that would need `turn` (length by which unit normals
+  /// change) or more, both theirs and that of a triangle at the node, before the scalar product of any two of them is negative.
+  void update(std::span<const double> x, double radius, double turn);
+
+  /// Outward unit normals of the triangles at the last update(); zero for a degenerate one.
+  std::span<const Eigen::Vector3d> normals() const { return normal_; }
 
   /// The pair never touches (see above). Pure function of the reference configuration.
   bool is_excluded(int node, int triangle) const;
@@ -37,6 +42,11 @@ class CandidateSearch {
   int pair_count() const { return start_.back(); }
 
  private:
+  struct View {
+    Eigen::Vector3f axis;
+    float cosine;
+  };
+  View view_of(int node, double turn) const;
   void find_exceptions();
   bool is_exception(int node, int triangle) const;
   bool is_same_face(int node, int triangle) const { return surface_.node_side[static_cast<std::size_t>(node)] == surface_.triangle_side[static_cast<std::size_t>(triangle)]; }
@@ -50,11 +60,11 @@ class CandidateSearch {
   std::vector<int> start_, triangle_;             // result, per node
   // Scratch of update().
   BoxGrid grid_;
-  std::vector<Eigen::Vector3d> centre_;
+  std::vector<Eigen::Vector3d> centre_, normal_;
   std::vector<double> radius_;
-  std::vector<float> cx_, cy_, cz_, reach_squared_, rx_, ry_, rz_;  // by grid position
+  std::vector<float> cx_, cy_, cz_, reach_squared_, rx_, ry_, rz_, nx_, ny_, nz_;  // by grid position
   std::vector<int> side_;                                           // by grid position
-  std::vector<std::vector<int>> found_;                             // per thread
+  std::vector<std::vector<int>> found_;                             // per piece of nodes
 };
 
 }  // namespace mv

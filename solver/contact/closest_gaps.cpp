@@ -28,6 +28,7 @@ void closest_gaps(const ContactSurface& s, const CandidateSearch& rule, std::spa
   const double max_distance = query.max_distance, penetration_limit = query.penetration_limit;
   const bool atrial_only = query.atrial_only;
   const int nodes = s.node_count(), triangles = s.triangle_count();
+  const std::vector<int> last = out.triangle;
   out.gap.assign(s.nodes.size(), infinity);
   out.point.assign(s.nodes.size(), Vec3::Zero());
   out.triangle.assign(s.nodes.size(), -1);
@@ -58,7 +59,7 @@ void closest_gaps(const ContactSurface& s, const CandidateSearch& rule, std::spa
   grid.reset(lower, upper, std::max(1.5 * s.mean_edge, 0.125 * (max_distance + size_max)));
   grid.sort(count, [&](int m) { return grid.cell_index(grid.cell(unsorted[m].centre)); });
   parallel_for(count, [&](std::ptrdiff_t k) { heads[k] = unsorted[grid.item(static_cast<int>(k))]; });
-  parallel_for(nodes, [&](std::ptrdiff_t n) {
+  const auto find = [&](std::ptrdiff_t n) {
     if (atrial_only && !s.on_atrial_face[n]) return;
     const Vec3 p = at(x, s.nodes[n]);
     const Vec3 node_normal = normals[n];
@@ -84,8 +85,11 @@ void closest_gaps(const ContactSurface& s, const CandidateSearch& rule, std::spa
       best_point = facet.a + q.b1 * facet.e1 + q.b2 * facet.e2;
       best_height = height;
     };
-    const int guess = guesses.empty() ? -1 : guesses[n];
-    if (guess >= 0 && (!atrial_only || s.triangle_side[guess] > 0)) measure(guess, head_of(guess));
+    const auto try_guess = [&](int f) {
+      if (f >= 0 && f < triangles && (!atrial_only || s.triangle_side[f] > 0)) measure(f, head_of(f));
+    };
+    if (!guesses.empty()) try_guess(guesses[n]);
+    if (last.size() == s.nodes.size()) try_guess(last[n]);
     const auto visit = [&](int k) {
       const contact::FacetHead& head = heads[k];
       const double within = best_distance + head.size;
@@ -106,8 +110,8 @@ void closest_gaps(const ContactSurface& s, const CandidateSearch& rule, std::spa
           const bool shell = std::abs(k - home[2]) == ring || std::abs(j - home[1]) == ring;
           const auto run = [&](int from, int to) {
             if (from > to) return;
-            grid.for_runs({from, j, k}, {to, j, k}, [&](int first, int last) {
-              for (int q = first; q < last; ++q) visit(q);
+            grid.for_runs({from, j, k}, {to, j, k}, [&](int first, int end) {
+              for (int q = first; q < end; ++q) visit(q);
             });
           };
           if (shell) {
@@ -123,6 +127,9 @@ void closest_gaps(const ContactSurface& s, const CandidateSearch& rule, std::spa
     out.triangle[n] = best_triangle;
     out.point[n] = best_point;
     out.gap[n] = best_height < 0 ? -best_distance : best_distance;
+  };
+  parallel_pieces(nodes, 64, [&](std::ptrdiff_t begin, std::ptrdiff_t end, int) {
+    for (std::ptrdiff_t n = begin; n < end; ++n) find(n);
   });
 }
 

@@ -26,7 +26,7 @@ struct GapQuery {
 };
 
 /// Nearest facing triangle (normals more than 102 degrees apart) that `rule` does not exclude. `guesses`: a triangle per node to
-/// start from, or -1, or empty; good ones save time, the answer does not depend on them. Reuses the vectors in `out`. Throws
+/// start from, or -1, or empty; good ones, and those of the last call left in `out`, save time, the answer does not depend on them. Reuses the vectors in `out`. Throws
 /// TrustError when x is not finite. Same bytes for every thread count.
 void closest_gaps(const ContactSurface& surface, const CandidateSearch& rule, std::span<const double> x, const GapQuery& query,
                   std::span<const int> guesses, ClosestGaps& out);

@@ -18,6 +18,7 @@
 #include "solver/contact/candidates.h"
 #include "solver/contact/closest_gaps.h"
 #include "solver/contact/contact_kernel.h"
+#include "solver/contact/near_pairs.h"
 
 namespace mv {
 namespace {
@@ -32,6 +33,13 @@ constexpr double facing_full_cosine = -0.6;  // from here on a triangle counts f
 constexpr double lateral_growth = 0.5;  // gamma: how the averaging radius widens with the gap (covers ridges up to 2 atan(gamma))
 constexpr double full_weight = 0.5;     // W above which the force is not faded
 constexpr double depth_fade = 0.2;      // share of the penetration limit over which deep triangles fade out
+// Candidates are renewed when a node has moved by half the skin or a triangle's unit normal by turn_allowed; of them, the near pairs after smaller motions.
+constexpr double turn_allowed = 0.2;
+constexpr double near_skin_share = 0.3;
+constexpr double near_turn_allowed = 0.06;
+// Both are halved, down to least_near_scale, while near pairs last for many steps, and doubled while they last for few.
+constexpr double least_near_scale = 0.1;
+constexpr int few_steps = 8, many_steps = 30;
 
 /// Velocities and inertia of a triangle, for the slip seen by an observer who turns with the master.
 struct FacetMotion {
@@ -44,7 +52,7 @@ struct FacetMotion {
 struct Sight {
   int pair, triangle;
   Vec3 n;
-  Facet facet;
+  const Facet* facet;
   double p, weight, chi, u, reach_squared;
   double l1, l2, b1, b2;
 };
@@ -65,6 +73,12 @@ Penalty penalty_of(const ContactOptions& o, double threshold, double overlap) {
 /// What one slave adds to the totals.
 struct SlaveTotals {
   double force = 0, friction = 0, area = 0, gap = infinity, energy = 0, slip_energy = 0, dissipation = 0;
+};
+
+/// Of one thread, on cache lines of its own: the lists grow all the time.
+struct alignas(128) Scratch {
+  std::vector<Sight> seen;
+  std::vector<int> passed;
 };
 
 /// Forces on the three corners of a triangle.
@@ -96,7 +110,7 @@ ContactOptions resolve(const ContactSurface& s, ContactOptions o) {
   }
   if (o.exclusion_radius_through == 0) o.exclusion_radius_through = o.exclusion_radius;
   if (o.exclusion_radius_through < o.exclusion_radius) refuse("exclusion_radius_through must not be smaller than exclusion_radius");
-  if (o.skin == 0) o.skin = 0.4 * s.mean_edge;
+  if (o.skin == 0) o.skin = 0.6 * s.mean_edge;
   return o;
 }
 
@@ -106,6 +120,7 @@ struct SelfContact::Impl {
   const ContactSurface& surface;
   ContactOptions options;
   CandidateSearch search;
+  NearPairs near;
   double sheet_separation;               // m, triangles this much further away than the nearest belong to another sheet
   double p_max;                          // m, largest distance along the normal that can matter
   double reach;                          // m, largest distance to a triangle that can matter
@@ -114,28 +129,30 @@ struct SelfContact::Impl {
   std::vector<double> threshold_of;      // m, per surface node
   std::vector<int> ring_corner;          // which corner of ring[r] the node is
 
-  // Candidates: refreshed by a search.
-  std::vector<double> x_search;  // 3 per surface node
-  int steps_since_search = 0;
+  // Refreshed by a search (candidates) and in between (near pairs).
+  std::vector<double> x_search, x_near;  // 3 per surface node
+  std::vector<Vec3> normal_near;         // per triangle
+  int steps_since_search = 0, steps_since_near = 0;
+  double near_scale = 1;
   bool has_candidates = false;
-  std::vector<int> slaves;                     // nodes with candidates
+  bool has_new_history = false;
+  std::vector<int> slaves;                     // nodes with near pairs or elastic slip
   std::vector<int> masters;                    // triangles in some list
-  std::vector<int> frames_needed;              // masters and the rings of slaves
   std::vector<int> touched;                    // nodes that may receive a force
   std::vector<int> master_start, master_pair;  // per master: its pairs, in the order of the slaves
   std::vector<int> stamp;                      // scratch, per triangle
   std::vector<int> node_stamp;                 // scratch, per node
-  double released_energy = 0;                  // J, slip energy of nodes that lost all candidates
 
   // Per step.
-  std::vector<contact::FacetHead> heads;
+  std::vector<contact::FacetHead> heads;  // sizes with the averaging radius
+  std::vector<Facet> facets;
   std::vector<int> record_of_pair;        // -1: no reaction
   std::vector<SlaveTotals> slave_totals;  // per slave
   std::vector<CornerForces> records;
   std::vector<CornerForces> facet_force;
   std::vector<char> facet_active;
-  std::vector<std::vector<Sight>> sights;  // per thread
-  std::vector<char> moved_too_far;         // per thread
+  std::vector<Scratch> scratch;            // per thread
+  std::vector<char> moved_too_far;         // per thread, bits: near pairs, candidates
 
   // Per surface node.
   std::vector<double> gap, visibility, normal_force, pressure;
@@ -169,9 +186,12 @@ struct SelfContact::Impl {
       }
     }
     x_search.resize(3 * nodes);
+    x_near.resize(3 * nodes);
+    normal_near.resize(triangles);
     stamp.assign(triangles, 0);
     node_stamp.assign(nodes, 0);
     heads.resize(triangles);
+    facets.resize(triangles);
     is_active.assign(nodes, 0);
     facet_force.resize(triangles);
     facet_active.assign(triangles, 0);
@@ -202,42 +222,66 @@ struct SelfContact::Impl {
     return lost;
   }
 
-  bool needs_search(std::span<const double> x) {
-    if (!has_candidates || (options.search_every > 0 && steps_since_search >= options.search_every)) return true;
-    const double limit = 0.25 * options.skin * options.skin;
-    moved_too_far.assign(static_cast<std::size_t>(thread_count()), 0);
-    parallel_ranges(
-        surface.node_count(),
-        [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
-          char any = 0;
-          for (std::ptrdiff_t n = begin; n < end; ++n)  // true for a NaN, too: the search then stops the run
-            any |= !((at(x, surface.nodes[n]) - at(x_search, static_cast<int>(n))).squaredNorm() <= limit);
-          moved_too_far[thread] = any;
-        },
-        4096);
-    return std::any_of(moved_too_far.begin(), moved_too_far.end(), [](char far) { return far != 0; });
+  /// What has to be renewed for x, to which the heads belong. True for NaN, too: the search then stops the run.
+  enum Stale { fresh = 0, near_pairs = 1, candidates = 2 };
+  int what_is_stale(std::span<const double> x) {
+    if (!has_candidates || (options.search_every > 0 && steps_since_search >= options.search_every)) return candidates;
+    const auto bits = [](double squared, double near_limit, double limit) {
+      return static_cast<char>((squared <= near_limit * near_limit ? fresh : near_pairs) | (squared <= limit * limit ? fresh : candidates));
+    };
+    moved_too_far.assign(static_cast<std::size_t>(thread_count()), has_new_history ? near_pairs : fresh);
+    const double skin = 0.5 * options.skin, near_skin = near_scale * near_skin_share * skin, near_turn = near_scale * near_turn_allowed;
+    parallel_ranges(surface.node_count(), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
+      char any = 0;
+      for (std::ptrdiff_t n = begin; n < end; ++n) {
+        const Vec3 p = at(x, surface.nodes[n]);
+        any |= bits((p - at(x_near, static_cast<int>(n))).squaredNorm(), near_skin, infinity);
+        any |= bits((p - at(x_search, static_cast<int>(n))).squaredNorm(), infinity, skin);
+      }
+      moved_too_far[thread] |= any;
+    });
+    const auto normals = search.normals();
+    parallel_ranges(surface.triangle_count(), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
+      char any = 0;
+      for (std::ptrdiff_t f = begin; f < end; ++f) {
+        any |= bits((heads[f].n - normal_near[f]).squaredNorm(), near_turn, infinity);
+        any |= bits((heads[f].n - normals[f]).squaredNorm(), infinity, turn_allowed);
+      }
+      moved_too_far[thread] |= any;
+    });
+    char any = 0;
+    for (char bit : moved_too_far) any |= bit;
+    return any;
   }
 
+  /// The heads belong to x.
   void update_candidates(std::span<const double> x) {
-    for (int n : touched) clear_outputs(n);
-    search.update(x, reach + options.skin);
-    for (int n = 0; n < surface.node_count(); ++n)
-      Eigen::Map<Vec3>(x_search.data() + 3 * static_cast<std::size_t>(n)) = at(x, surface.nodes[n]);
+    search.update(x, reach + options.skin, turn_allowed);
+    parallel_for(surface.node_count(), [&](std::ptrdiff_t n) { Eigen::Map<Vec3>(x_search.data() + 3 * n) = at(x, surface.nodes[n]); });
     steps_since_search = 0;
     has_candidates = true;
+    update_near_pairs(x);
+  }
+
+  void update_near_pairs(std::span<const double> x) {
+    for (int n : touched) clear_outputs(n);
+    has_new_history = false;
+    if (steps_since_near < few_steps) near_scale = std::min(1.0, 2 * near_scale);
+    if (steps_since_near > many_steps) near_scale = std::max(least_near_scale, 0.5 * near_scale);
+    steps_since_near = 0;
+    near.update(surface, search, heads, x, {options.penetration_limit, p_max, lateral_growth},
+                near_scale * near_skin_share * options.skin, near_scale * near_turn_allowed);
+    parallel_for(surface.node_count(), [&](std::ptrdiff_t n) { Eigen::Map<Vec3>(x_near.data() + 3 * n) = at(x, surface.nodes[n]); });
+    parallel_for(surface.triangle_count(), [&](std::ptrdiff_t f) { normal_near[f] = heads[f].n; });
 
     slaves.clear();
     masters.clear();
-    frames_needed.clear();
     touched.clear();
     std::fill(stamp.begin(), stamp.end(), 0);
     std::fill(node_stamp.begin(), node_stamp.end(), 0);
     for (int n = 0; n < surface.node_count(); ++n) {
-      const auto list = search.triangles_of(n);
-      if (list.empty()) {
-        if (!slip[n].isZero(0)) released_energy += release(n);
-        continue;
-      }
+      const auto list = near.triangles_of(n);
+      if (list.empty() && slip[n].isZero(0)) continue;
       slaves.push_back(n);
       node_stamp[n] = 1;
       for (int f : list) ++stamp[f];
@@ -256,31 +300,21 @@ struct SelfContact::Impl {
       master_start[m + 1] = master_start[m] + stamp[masters[m]];
       stamp[masters[m]] = master_start[m];
     }
-    master_pair.resize(static_cast<std::size_t>(search.pair_count()));
+    master_pair.resize(static_cast<std::size_t>(near.pair_count()));
     record_of_pair.assign(master_pair.size(), -1);
     records.resize(master_pair.size());
     for (int n : slaves) {
-      int pair = search.first_pair(n);
-      for (int f : search.triangles_of(n)) master_pair[stamp[f]++] = pair++;
+      int pair = near.first_pair(n);
+      for (int f : near.triangles_of(n)) master_pair[stamp[f]++] = pair++;
     }
     slave_totals.resize(slaves.size());
-    std::fill(stamp.begin(), stamp.end(), 0);
-    for (int f : masters) stamp[f] = 1;
-    for (int n : slaves) {
-      for (int r = surface.ring_start[n]; r < surface.ring_start[n + 1]; ++r) stamp[surface.ring[r]] = 1;
-    }
-    for (int f = 0; f < surface.triangle_count(); ++f) {
-      if (stamp[f]) frames_needed.push_back(f);
-      facet_active[f] = 0;
-    }
   }
 
   void compute_frames(std::span<const double> x) {
-    parallel_for(static_cast<std::ptrdiff_t>(frames_needed.size()), [&](std::ptrdiff_t k) {
-      const int f = frames_needed[k];
+    parallel_for(surface.triangle_count(), [&](std::ptrdiff_t f) {
       const auto& t = surface.triangles[f];
-      const int i = surface.nodes[t[0]], j = surface.nodes[t[1]], l = surface.nodes[t[2]];
-      heads[f] = contact::make_head(at(x, i), at(x, j), at(x, l));
+      heads[f] = contact::make_head(at(x, surface.nodes[t[0]]), at(x, surface.nodes[t[1]]), at(x, surface.nodes[t[2]]));
+      heads[f].size += averaging_radius[f];
       facet_active[f] = 0;
     });
   }
@@ -304,33 +338,46 @@ struct SelfContact::Impl {
     return m;
   }
 
-  Facet facet_of(std::span<const double> x, int f, const contact::FacetHead& head) const {
-    const auto& t = surface.triangles[f];
-    return contact::make_facet(at(x, surface.nodes[t[0]]), at(x, surface.nodes[t[1]]), at(x, surface.nodes[t[2]]), head.area2);
+  /// Of the triangles in some list.
+  void compute_facets(std::span<const double> x) {
+    parallel_for(static_cast<std::ptrdiff_t>(masters.size()), [&](std::ptrdiff_t m) {
+      const int f = masters[m];
+      const auto& t = surface.triangles[f];
+      facets[f] = contact::make_facet(at(x, surface.nodes[t[0]]), at(x, surface.nodes[t[1]]), at(x, surface.nodes[t[2]]), heads[f].area2);
+    });
   }
 
   /// Triangles that face the node within reach, with their weights; returns W.
-  double look(std::span<const double> positions, const Vec3& x, const Vec3& n, int node, std::vector<Sight>& seen) const {
+  double look(const Vec3& x, int node, Scratch& scratch) const {
+    std::vector<Sight>& seen = scratch.seen;
     seen.clear();
+    const auto list = near.triangles_of(node);
+    // Most do not see each other: sorted out first, without a branch for each.
+    scratch.passed.resize(std::max(scratch.passed.size(), list.size()));
+    std::size_t passed = 0;
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      const contact::FacetHead& head = heads[list[k]];
+      const Vec3 from_centre = x - head.centre;
+      const double height = head.n.dot(from_centre);
+      // Lateral distance is at least that to the centroid less the triangle's size; the averaging radius is at most R_f + gamma
+      // |p|.
+      const double far = head.size + lateral_growth * std::abs(height);
+      scratch.passed[passed] = static_cast<int>(k);
+      passed += (height > -options.penetration_limit) & (height < p_max) & (from_centre.squaredNorm() - height * height <= 1.0001 * far * far);
+    }
+    if (passed == 0) return 0;
     double nearest = threshold_of[node];
-    int pair = search.first_pair(node) - 1;
-    for (int f : search.triangles_of(node)) {
-      ++pair;
+    const Vec3 n = node_normal(node);
+    for (std::size_t m = 0; m < passed; ++m) {
+      const int k = scratch.passed[m], f = list[k], pair = near.first_pair(node) + k;
       const contact::FacetHead& head = heads[f];
       const double cosine = head.n.dot(n);
       if (!(cosine < facing_cosine)) continue;
-      const Vec3 from_centre = x - head.centre;
-      const double height = head.n.dot(from_centre);
-      if (!(height > -options.penetration_limit && height < p_max)) continue;
-      // Lateral distance is at least that to the centroid less the triangle's size; the averaging radius is at most R_f + gamma
-      // |p|.
-      const double far = head.size + averaging_radius[f] + lateral_growth * std::abs(height);
-      if (from_centre.squaredNorm() - height * height > 1.0001 * far * far) continue;
       Sight s;
-      s.facet = facet_of(positions, f, head);
-      const Vec3 d = x - s.facet.a;
+      s.facet = &facets[f];
+      const Vec3 d = x - s.facet->a;
       const double p = head.n.dot(d);
-      const auto q = contact::project(s.facet, d);
+      const auto q = contact::project(*s.facet, d);
       const double reach_squared = averaging_radius[f] * averaging_radius[f] + lateral_growth * lateral_growth * p * p;
       if (!(q.lateral_squared < reach_squared)) continue;
       s.n = head.n;
@@ -387,12 +434,13 @@ struct SelfContact::Impl {
 
   /// All of one slave node: outputs, its own force, records of the reactions.
   SlaveTotals evaluate_slave(int node, std::span<const double> x, std::span<const double> v, double dt,
-                             std::vector<Sight>& seen) {
+                             Scratch& scratch_of_thread) {
+    const std::vector<Sight>& seen = scratch_of_thread.seen;
     SlaveTotals result;
-    const int first = search.first_pair(node);
-    if (is_active[node]) std::fill_n(record_of_pair.begin() + first, search.triangles_of(node).size(), -1);
+    const int first = near.first_pair(node);
+    if (is_active[node]) std::fill_n(record_of_pair.begin() + first, near.triangles_of(node).size(), -1);
     const Vec3 position = at(x, surface.nodes[node]);
-    const double total = look(x, position, node_normal(node), node, seen);
+    const double total = look(position, node, scratch_of_thread);
     double g = infinity;
     int nearest = -1;
     if (total > 0) {
@@ -427,7 +475,7 @@ struct SelfContact::Impl {
     Vec3 own = Vec3::Zero(), mean_normal = Vec3::Zero();
     int record = first;
     for (const Sight& s : seen) {
-      const Facet& f = s.facet;
+      const Facet& f = *s.facet;
       const double share = s.weight / total;
       // Factors on dp and on d(lateral distance squared), from dg and dW.
       const double slope = -2 * s.chi * (1 - s.u) * (force * (s.p - g) / total - force_of_total);
@@ -466,7 +514,7 @@ struct SelfContact::Impl {
     Vec3 point = Vec3::Zero(), velocity = Vec3::Zero(), spin = Vec3::Zero();
     double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
     for (const Sight& s : seen) {
-      const Facet& f = s.facet;
+      const Facet& f = *s.facet;
       const auto& t = surface.triangles[s.triangle];
       const FacetMotion m = motion_of(f, at(velocities, surface.nodes[t[0]]), at(velocities, surface.nodes[t[1]]),
                                       at(velocities, surface.nodes[t[2]]));
@@ -513,7 +561,7 @@ struct SelfContact::Impl {
     own_force[node] += friction;
     const Vec3 turn = inverse * arm.cross(friction);
     for (const Sight& s : seen) {
-      const Facet& f = s.facet;
+      const Facet& f = *s.facet;
       const double share = s.weight / total;
       const Vec3 centre = (f.e1 + f.e2) / 3;
       const Vec3 twist = (share / 3) * turn;
@@ -525,7 +573,7 @@ struct SelfContact::Impl {
   }
 
   void gather(std::span<double> forces) {
-    parallel_for(static_cast<std::ptrdiff_t>(masters.size()), [&](std::ptrdiff_t m) {
+    const auto sum_records = [&](std::ptrdiff_t m) {
       const int f = masters[m];
       if (!facet_active[f]) return;
       CornerForces sum{};
@@ -535,6 +583,9 @@ struct SelfContact::Impl {
         for (int c = 0; c < 9; ++c) sum[c] += records[record][c];
       }
       facet_force[f] = sum;
+    };
+    parallel_pieces(static_cast<std::ptrdiff_t>(masters.size()), 256, [&](std::ptrdiff_t begin, std::ptrdiff_t end, int) {
+      for (std::ptrdiff_t m = begin; m < end; ++m) sum_records(m);
     });
     parallel_for(static_cast<std::ptrdiff_t>(touched.size()), [&](std::ptrdiff_t k) {
       const int n = touched[k];
@@ -561,8 +612,6 @@ struct SelfContact::Impl {
       result.potential_energy += t.energy;
       result.friction_energy += t.slip_energy;
     }
-    result.friction_dissipation += released_energy;
-    released_energy = 0;
     result.penetration_max = std::max(0.0, -result.min_gap);
     return result;
   }
@@ -580,20 +629,24 @@ void SelfContact::set_node_stiffness(std::span<const double> stiffness) {
   impl_->set_node_stiffness(stiffness);
 }
 
-void SelfContact::update_candidates(std::span<const double> x) { impl_->update_candidates(x); }
+void SelfContact::update_candidates(std::span<const double> x) {
+  impl_->compute_frames(x);
+  impl_->update_candidates(x);
+}
 
 ContactResult SelfContact::evaluate(std::span<const double> x, std::span<const double> v, double dt, std::span<double> forces) {
   Impl& c = *impl_;
-  bool searched = false;
-  if (c.needs_search(x)) {
-    c.update_candidates(x);
-    searched = true;
-  }
-  ++c.steps_since_search;
   c.compute_frames(x);
-  c.sights.resize(std::max(c.sights.size(), static_cast<std::size_t>(thread_count())));
-  parallel_ranges(static_cast<std::ptrdiff_t>(c.slaves.size()), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
-    for (std::ptrdiff_t k = begin; k < end; ++k) c.slave_totals[k] = c.evaluate_slave(c.slaves[k], x, v, dt, c.sights[thread]);
+  const int stale = c.what_is_stale(x);
+  const bool searched = stale & Impl::candidates;
+  if (searched) c.update_candidates(x);
+  else if (stale & Impl::near_pairs) c.update_near_pairs(x);
+  ++c.steps_since_search;
+  ++c.steps_since_near;
+  c.compute_facets(x);
+  c.scratch.resize(std::max(c.scratch.size(), static_cast<std::size_t>(thread_count())));
+  parallel_pieces(static_cast<std::ptrdiff_t>(c.slaves.size()), 128, [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
+    for (std::ptrdiff_t k = begin; k < end; ++k) c.slave_totals[k] = c.evaluate_slave(c.slaves[k], x, v, dt, c.scratch[thread]);
   });
   c.gather(forces);
   ContactResult result = c.totals();
@@ -625,7 +678,12 @@ void SelfContact::import_history(std::span<const double> slip) {
   if (slip.size() != 3 * impl_->slip.size())
     throw InputError("contact: friction history has " + std::to_string(slip.size()) + " numbers, expected " +
                      std::to_string(3 * impl_->slip.size()));
-  for (std::size_t n = 0; n < impl_->slip.size(); ++n) impl_->slip[n] = Eigen::Map<const Vec3>(slip.data() + 3 * n);
+  for (std::size_t n = 0; n < impl_->slip.size(); ++n) {
+    const Eigen::Map<const Vec3> now(slip.data() + 3 * n);
+    if (impl_->slip[n] == now) continue;
+    impl_->slip[n] = now;
+    impl_->has_new_history = true;  // a node with slip must be among the slaves
+  }
 }
 
 double SelfContact::tangent_stiffness(int node) const {

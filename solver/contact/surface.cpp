@@ -247,6 +247,25 @@ void current_face_normals(const ContactSurface& s, std::span<const double> x, st
   sum_normals(s, x, normals, [&](std::ptrdiff_t n, int f) { return s.triangle_side[f] == s.node_side[n]; });
 }
 
+void current_faces_at(const ContactSurface& s, std::span<const double> x, std::span<const int> which, std::span<Vec3> normals, std::span<double> areas) {
+  parallel_for(static_cast<std::ptrdiff_t>(which.size()), [&](std::ptrdiff_t q) {
+    const int n = which[q];
+    Vec3 sum = Vec3::Zero();
+    double area = 0;
+    for (int r = s.ring_start[n]; r < s.ring_start[n + 1]; ++r) {
+      if (s.triangle_side[s.ring[r]] != s.node_side[n]) continue;
+      const auto& t = s.triangles[s.ring[r]];
+      const Vec3 a = point(x, s.nodes[t[0]]);
+      const Vec3 m = (point(x, s.nodes[t[1]]) - a).cross(point(x, s.nodes[t[2]]) - a);
+      sum += m;
+      area += m.norm();
+    }
+    const double length = sum.norm();
+    normals[n] = length > 0 ? Vec3(sum / length) : Vec3::Zero();
+    areas[n] = area / 6;
+  });
+}
+
 std::vector<double> rest_distances_to(const ContactSurface& surface, std::span<const char> is_marked) {
   std::vector<Eigen::Vector3d> marked;
   for (std::size_t i = 0; i < surface.solid_reference.size(); ++i)

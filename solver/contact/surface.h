@@ -58,6 +58,10 @@ void current_node_normals(const ContactSurface& surface, std::span<const double>
 /// The same from the triangles of the node's own side only (node_side), so that a border's normal is its face's and not tilted towards the rim.
 void current_face_normals(const ContactSurface& surface, std::span<const double> x, std::span<Eigen::Vector3d> normals);
 
+/// Both of these, face normals and tributary areas, at the surface nodes of `which` only; other entries are left alone.
+void current_faces_at(const ContactSurface& surface, std::span<const double> x, std::span<const int> which, std::span<Eigen::Vector3d> normals,
+                      std::span<double> areas);
+
 /// Distance at rest (m) of each surface node to the nearest solid node that is marked; infinity when none is. `is_marked`: solid_nodes or more entries.
 std::vector<double> rest_distances_to(const ContactSurface& surface, std::span<const char> is_marked);
 

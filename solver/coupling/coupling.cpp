@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/coupling/coupling.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "geometry/core/parallel.h"
@@ -11,6 +12,9 @@ namespace {
 // Shares of the stability limits k dt^2 < 4 / mobility and c dt < 2 / mobility that the holding springs and dampers use.
 constexpr double hold_stiffness = 0.2;
 constexpr double hold_damping = 0.2;
+// Steps shorter than this hold no harder: the harder the hold, the more of the weakly seen motions between the held nodes it stops, and what the annulus lets
+// pass would depend on the step.
+constexpr double hold_step = 50e-6;  // s
 // kappa and beta of relax(): a ninth of the stability limit 4 kappa < 2 (1 + beta), because tau is some fifty steps old while the fibres stiffen.
 constexpr double relaxation = 0.1;
 constexpr double relaxation_memory = 0.9;
@@ -92,8 +96,9 @@ void Coupling::relax(const CoupledNodes& nodes, std::span<const double> unseen, 
 
 double Coupling::hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density) {
   if (!held_transfer_ || !(held_mobility_ > 0)) return 0.0;
-  const double spring = hold_stiffness * 4.0 / (held_mobility_ * dt * dt);
-  const double damper = hold_damping * 2.0 / (held_mobility_ * dt);
+  const double step = std::max(dt, hold_step);
+  const double spring = hold_stiffness * 4.0 / (held_mobility_ * step * step);
+  const double damper = hold_damping * 2.0 / (held_mobility_ * step);
   held_transfer_->interpolate(velocity, held_velocity_);
   double work = 0;
   for (std::size_t a = 0; a < holding.size(); ++a) {
@@ -120,7 +125,7 @@ void Coupling::move(const CoupledNodes& nodes, const FaceField& velocity, double
   parallel_for(static_cast<std::ptrdiff_t>(midpoint_.size()), [&](std::ptrdiff_t a) {
     if (!nodes.is_fixed[static_cast<std::size_t>(a / 3)]) midpoint_[static_cast<std::size_t>(a)] += 0.5 * dt * nodes.v[static_cast<std::size_t>(a)];
   });
-  transfer_.bind(midpoint_, active_);
+  transfer_.move_bound(midpoint_);
   transfer_.interpolate(velocity, nodes.v);
   parallel_for(static_cast<std::ptrdiff_t>(midpoint_.size()), [&](std::ptrdiff_t a) {
     if (!nodes.is_fixed[static_cast<std::size_t>(a / 3)]) nodes.x[static_cast<std::size_t>(a)] += dt * nodes.v[static_cast<std::size_t>(a)];

@@ -52,9 +52,12 @@ class Coupling {
 
   /// Nodes held by the annulus keep the blood at rest around them, by integral and proportional control on the blood's velocity U there:
   ///   F = I - c U,  dI/dt = -k U,
-  /// with k and c as stiff as the step allows: shares of the limits k dt^2 < 4 / mobility and c dt < 2 / mobility, the mobility of the held
+  /// with k and c as stiff as the step, or 50 us if it is shorter, allows: shares of the limits k dt^2 < 4 / mobility and c dt < 2 / mobility, the mobility of the held
   /// nodes being found once. `holding` (I, N, 3 per held node) is part of the state. Returns the work (J) done on the blood.
   double hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density);
+
+  /// Forces (N) of the last hold() on the blood, 3 per held node in the order of set_held().
+  std::span<const double> held_forces() const { return held_force_; }
 
   /// New velocities and positions after the blood has moved: midpoint rule, dx/dt = u(x).
   void move(const CoupledNodes& nodes, const FaceField& velocity, double dt);

@@ -176,8 +176,7 @@ void FilmDrainage::press(std::span<const double> x, std::span<const double> gaps
   const auto contact_force = contact_->nodal_force();
   const double threshold = contact_->options().threshold, behind = contact_->options().thickness + outside_cells * grid_.h;
   const double lowest = std::min(pressure_difference, 0.0), highest = std::max(pressure_difference, 0.0);
-  current_face_normals(surface, x, normals_);
-  current_tributary_areas(surface, x, areas_);
+  current_faces_at(surface, x, reached_, normals_, areas_);
   parallel_for(reached, [&](std::ptrdiff_t n) {
     const std::size_t s = static_cast<std::size_t>(reached_[static_cast<std::size_t>(n)]);
     fade_[s] = unbalanced_[s] = film_[s] = 0;

@@ -2,7 +2,9 @@
 #include "solver/coupling/transfer.h"
 
 #include <algorithm>
+#include <cstring>
 #include <stdexcept>
+#include <type_traits>
 
 #include "geometry/core/parallel.h"
 
@@ -20,31 +22,34 @@ namespace {
 // A kernel reaches at most this many cells below and above the cell of its point.
 constexpr int reach = 2;
 
-// Width of the kernel along an axis; a constant where the kernel has one, so that the inner loops unroll.
-template <Kernel K>
-constexpr int width_of(const KernelWeights& w) {
-  if constexpr (K == Kernel::ib4) return 4;
-  else if constexpr (K == Kernel::ib3) return 3;
-  else return w.width;
+// Narrower kernels have zero weights at the end: the values read there lie in the ghost layers or the next row.
+inline Quad load(const double* p) {
+  Quad q;
+  std::memcpy(&q, p, sizeof q);
+  return q;
 }
+inline void store(double* p, Quad q) { std::memcpy(p, &q, sizeof q); }
 
-// Weights of the three components along the three axes at one point (in cells).
+// Weights of one point (in cells) along the three axes, on the faces and in the middle between them.
 template <Kernel K>
 struct PointWeights {
-  KernelWeights w[3][3];  // [component][axis]
-  PointWeights(const double* s) {
-    if constexpr (K == Kernel::cbs32) {
-      for (int c = 0; c < 3; ++c)
-        for (int a = 0; a < 3; ++a) w[c][a] = kernel_weights<K>(s[a] - (a == c ? 0.0 : 0.5), a == c);
-    } else {
-      for (int a = 0; a < 3; ++a) {
-        const KernelWeights face = kernel_weights<K>(s[a], true);
-        const KernelWeights centre = kernel_weights<K>(s[a] - 0.5, true);
-        for (int c = 0; c < 3; ++c) w[c][a] = a == c ? face : centre;
-      }
+  KernelWeights face[3], centre[3];
+  explicit PointWeights(const double* s) {
+    for (int a = 0; a < 3; ++a) {
+      face[a] = kernel_weights<K>(s[a], true);
+      centre[a] = kernel_weights<K>(s[a] - 0.5, false);
     }
   }
+  const KernelWeights& of(int component, int axis) const { return component == axis ? face[axis] : centre[axis]; }
 };
+
+/// Calls body(component) with the component as a constant.
+template <class Body>
+inline void for_components(Body&& body) {
+  body(std::integral_constant<int, 0>());
+  body(std::integral_constant<int, 1>());
+  body(std::integral_constant<int, 2>());
+}
 
 }  // namespace
 
@@ -54,38 +59,53 @@ Transfer::Transfer(const FluidGrid& grid, const TubeWall& wall, Kernel kernel) :
 }
 
 int Transfer::bind(std::span<const double> positions, std::span<const int> active) {
-  const std::size_t count = active.size();
-  slab_of_.resize(count);
+  const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(active.size());
+  const int rows = grid_.n[1];
+  row_of_.resize(active.size());
+  row_start_.assign(static_cast<std::size_t>(grid_.n[2]) * static_cast<std::size_t>(rows) + 1, 0);
   const double inverse_h = 1.0 / grid_.h;
-  std::fill(slab_start_.begin(), slab_start_.end(), 0);
-  int skipped = 0;
-  for (std::size_t q = 0; q < count; ++q) {
-    const double* x = positions.data() + 3 * active[q];
-    int slab = -1;
+  parallel_for(count, [&](std::ptrdiff_t q) {
+    const double* x = positions.data() + 3 * active[static_cast<std::size_t>(q)];
+    double s[3];
     bool is_inside = true;
     for (int a = 0; a < 3; ++a) {
-      const double s = (x[a] - grid_.lower[a]) * inverse_h;
+      s[a] = (x[a] - grid_.lower[a]) * inverse_h;
       // Written so that NaN counts as outside.
-      if (!(s >= 0 && s < grid_.n[static_cast<std::size_t>(a)])) is_inside = false;
-      if (a == 2 && is_inside) slab = static_cast<int>(s);
+      if (!(s[a] >= 0 && s[a] < grid_.n[static_cast<std::size_t>(a)])) is_inside = false;
     }
-    slab_of_[q] = is_inside ? slab : -1;
-    if (is_inside) ++slab_start_[static_cast<std::size_t>(slab) + 1];
-    else ++skipped;
-  }
-  for (std::size_t k = 0; k + 1 < slab_start_.size(); ++k) slab_start_[k + 1] += slab_start_[k];
-  order_.resize(static_cast<std::size_t>(slab_start_.back()));
-  scaled_.resize(3 * order_.size());
-  std::vector<int>& next = slab_start_;  // shifted while filling, restored below
-  for (std::size_t q = 0; q < count; ++q) {
-    if (slab_of_[q] < 0) continue;
-    const std::size_t at = static_cast<std::size_t>(next[static_cast<std::size_t>(slab_of_[q])]++);
-    order_[at] = active[q];
-    for (int a = 0; a < 3; ++a) scaled_[3 * at + static_cast<std::size_t>(a)] = (positions[static_cast<std::size_t>(3 * active[q] + a)] - grid_.lower[a]) * inverse_h;
-  }
-  for (std::size_t k = slab_start_.size() - 1; k > 0; --k) slab_start_[k] = slab_start_[k - 1];
-  slab_start_[0] = 0;
-  return skipped;
+    row_of_[static_cast<std::size_t>(q)] = is_inside ? static_cast<int>(s[1]) + rows * static_cast<int>(s[2]) : -1;
+  });
+  for (int row : row_of_)
+    if (row >= 0) ++row_start_[static_cast<std::size_t>(row) + 1];
+  for (std::size_t r = 0; r + 1 < row_start_.size(); ++r) row_start_[r + 1] += row_start_[r];
+  const std::size_t bound = static_cast<std::size_t>(row_start_.back());
+  order_.resize(bound);
+  for (std::size_t k = 0; k < slab_start_.size(); ++k) slab_start_[k] = row_start_[k * static_cast<std::size_t>(rows)];
+  for (std::size_t q = 0; q < active.size(); ++q)
+    if (row_of_[q] >= 0) order_[static_cast<std::size_t>(row_start_[static_cast<std::size_t>(row_of_[q])]++)] = active[q];
+  scaled_.resize(3 * bound);
+  parallel_for(static_cast<std::ptrdiff_t>(bound), [&](std::ptrdiff_t at) {
+    const double* x = positions.data() + 3 * order_[static_cast<std::size_t>(at)];
+    for (std::ptrdiff_t a = 0; a < 3; ++a) scaled_[static_cast<std::size_t>(3 * at + a)] = (x[a] - grid_.lower[a]) * inverse_h;
+  });
+  return static_cast<int>(active.size() - bound);
+}
+
+int Transfer::move_bound(std::span<const double> positions) {
+  const double inverse_h = 1.0 / grid_.h;
+  const double left = parallel_sum(static_cast<std::ptrdiff_t>(order_.size()), [&](std::ptrdiff_t at) {
+    const double* x = positions.data() + 3 * order_[static_cast<std::size_t>(at)];
+    double s[3];
+    bool is_inside = true;
+    for (int a = 0; a < 3; ++a) {
+      s[a] = (x[a] - grid_.lower[a]) * inverse_h;
+      if (!(s[a] >= 0 && s[a] < grid_.n[static_cast<std::size_t>(a)])) is_inside = false;
+    }
+    if (!is_inside) return 1.0;
+    std::copy_n(s, 3, scaled_.data() + 3 * at);
+    return 0.0;
+  });
+  return static_cast<int>(left);
 }
 
 template <Kernel K>
@@ -94,26 +114,20 @@ void Transfer::interpolate_with(const FaceField& velocity, std::span<double> vel
   parallel_for(static_cast<std::ptrdiff_t>(order_.size()), [&](std::ptrdiff_t q) {
     const PointWeights<K> weights(scaled_.data() + 3 * q);
     double* out = velocities.data() + 3 * order_[static_cast<std::size_t>(q)];
-    for (std::size_t c = 0; c < 3; ++c) {
-      const KernelWeights& wx = weights.w[c][0];
-      const KernelWeights& wy = weights.w[c][1];
-      const KernelWeights& wz = weights.w[c][2];
-      const int nx = width_of<K>(wx), ny = width_of<K>(wy), nz = width_of<K>(wz);
+    for_components([&](auto component) {
+      constexpr int c = component, ny = kernel_width<K>(c == 1), nz = kernel_width<K>(c == 2);
+      const KernelWeights &wx = weights.of(c, 0), &wy = weights.of(c, 1), &wz = weights.of(c, 2);
       const double* base = velocity.c[c].data() + grid_.index(wx.first, wy.first, wz.first);
       const double* open = open_[c].data() + (wx.first + FluidGrid::ghosts) + sy * (wy.first + FluidGrid::ghosts);
-      double sum = 0;
+      Quad sum{};
       for (int j = 0; j < ny; ++j) {
-        double wxy[kernel_width_max] = {0, 0, 0, 0};
-        for (int i = 0; i < nx; ++i) wxy[i] = wx.w[i] * wy.w[j] * open[i + sy * j];
-        for (int k = 0; k < nz; ++k) {
-          const double* row = base + sy * j + sz * k;
-          double line = 0;
-          for (int i = 0; i < nx; ++i) line += wxy[i] * row[i];
-          sum += wz.w[k] * line;
-        }
+        Quad column{};
+        for (int k = 0; k < nz; ++k) column += wz.w[k] * load(base + sy * j + sz * k);
+        sum += (wy.w[j] * load(open + sy * j)) * column;
       }
-      out[c] = sum;
-    }
+      sum *= wx.w;
+      out[c] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    });
   });
 }
 
@@ -139,25 +153,26 @@ void Transfer::spread_with(std::span<const double> forces, FaceField& force_dens
         for (int q = slab(k_begin - reach); q < slab(k_end + reach); ++q) {
           const PointWeights<K> weights(scaled_.data() + 3 * q);
           const double* force = forces.data() + 3 * order_[static_cast<std::size_t>(q)];
-          for (std::size_t c = 0; c < 3; ++c) {
-            const KernelWeights& wx = weights.w[c][0];
-            const KernelWeights& wy = weights.w[c][1];
-            const KernelWeights& wz = weights.w[c][2];
-            const int nx = width_of<K>(wx), ny = width_of<K>(wy), nz = width_of<K>(wz);
+          for_components([&](auto component) {
+            constexpr int c = component, ny = kernel_width<K>(c == 1), nz = kernel_width<K>(c == 2);
+            const KernelWeights &wx = weights.of(c, 0), &wy = weights.of(c, 1), &wz = weights.of(c, 2);
             double* base = force_density.c[c].data() + grid_.index(wx.first, wy.first, wz.first);
             const double* open = open_[c].data() + (wx.first + FluidGrid::ghosts) + sy * (wy.first + FluidGrid::ghosts);
-            const double f = force[c] * per_volume;
+            const Quad along_x = (force[c] * per_volume) * wx.w;
             const int k0 = std::max<int>(0, static_cast<int>(k_begin) - wz.first);
             const int k1 = std::min<int>(nz, static_cast<int>(k_end) - wz.first);
-            for (int j = 0; j < ny; ++j) {
-              double wxy[kernel_width_max] = {0, 0, 0, 0};
-              for (int i = 0; i < nx; ++i) wxy[i] = f * wx.w[i] * wy.w[j] * open[i + sy * j];
-              for (int k = k0; k < k1; ++k) {
-                double* row = base + sy * j + sz * k;
-                for (int i = 0; i < nx; ++i) row[i] += wz.w[k] * wxy[i];
+            const auto add = [&](int first, int last) {
+              for (int j = 0; j < ny; ++j) {
+                const Quad wxy = along_x * (wy.w[j] * load(open + sy * j));
+                for (int k = first; k < last; ++k) {
+                  double* row = base + sy * j + sz * k;
+                  store(row, load(row) + wz.w[k] * wxy);
+                }
               }
-            }
-          }
+            };
+            if (k0 == 0 && k1 == nz) add(0, nz);  // unrolled
+            else add(k0, k1);
+          });
         }
       },
       2);

@@ -18,9 +18,13 @@ class Transfer {
  public:
   Transfer(const FluidGrid& grid, const TubeWall& wall, Kernel kernel);
 
-  /// Sorts the points into z-slabs; must be called when positions changed. `positions`: xyz interleaved (m, tube frame), only the
+  /// Sorts the points into rows of cells along x; must be called when positions changed. `positions`: xyz interleaved (m, tube frame), only the
   /// points listed in `active` take part. Points whose kernel leaves the box are skipped; their number is returned.
   int bind(std::span<const double> positions, std::span<const int> active);
+
+  /// New positions of the bound points for interpolate() alone: they keep their order, spread() needs another bind(). Returns the number of points whose kernel
+  /// leaves the box now; they keep their old positions.
+  int move_bound(std::span<const double> positions);
 
   /// velocities[3*i..] of the bound points from the grid (m/s); other entries are left alone.
   void interpolate(const FaceField& velocity, std::span<double> velocities) const;
@@ -40,9 +44,9 @@ class Transfer {
   std::array<std::vector<double>, 3> open_;  // per component, 2-D masks
   bool has_wall_;
   Kernel kernel_;
-  std::vector<int> order_;                   // bound points sorted by slab
+  std::vector<int> order_;                   // bound points sorted by slab and row: neighbours share cache lines
   std::vector<int> slab_start_;              // nz + 1
-  std::vector<int> slab_of_;
+  std::vector<int> row_start_, row_of_;      // scratch of bind()
   std::vector<double> scaled_;               // positions of order_ in cells, xyz interleaved
 };
 

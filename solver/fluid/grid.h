@@ -2,9 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <vector>
+
+#include "geometry/core/parallel.h"
 
 namespace mv {
 
@@ -40,7 +43,10 @@ struct FaceField {
     for (auto& component : c) component.assign(grid.padded_size(), 0.0);
   }
   void set_zero() {
-    for (auto& component : c) std::fill(component.begin(), component.end(), 0.0);
+    for (auto& component : c)
+      parallel_ranges(static_cast<std::ptrdiff_t>(component.size()), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int) {
+        std::fill(component.begin() + begin, component.begin() + end, 0.0);
+      });
   }
 };
 
@@ -49,7 +55,8 @@ enum class BoundaryKind : int {
   wall,      // no slip, normal velocity zero; tangential velocity of the wall given
   open,      // pressure given, velocity free
   symmetry,  // normal velocity zero, no shear
-  periodic   // both sides of the axis
+  periodic,  // both sides of the axis
+  inflow     // normal velocity given per face, may change in time (NavierStokes::set_inflow); tangential velocity zero
 };
 
 struct FluidBoundary {

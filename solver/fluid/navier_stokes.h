@@ -4,12 +4,15 @@
 // Incompressible Navier-Stokes on a staggered grid:
 //   rho (du/dt + div(u u)) = -grad p + mu lap u + f,   div u = 0.
 // Scheme: explicit second-order Adams-Bashforth for advection (conservative, third-order upwind-biased, Leonard) and diffusion (second order),
-// incremental pressure correction (Van Kan 1986) with a direct Poisson solve on the box; forces f are taken at the old time.
+// incremental pressure correction (Van Kan 1986) with a direct Poisson solve on the box. Forces f and boundary pressures act as given through the whole
+// step: second order in time when they are those of its middle, first order otherwise. The pressure belongs to the middle of the last step.
 // Rigid tube wall: faces outside carry no flow before the projection; the pressure increment leaves there only O(dt^2 dp/dt).
-// Stability: advective CFL |u| dt/h < about 0.5 and nu dt/h^2 < about 1/12; both are far above the step the leaflets allow.
+// Stability (von Neumann): (|u| + |v| + |w|) dt/h < 0.55 without viscosity, nu dt/h^2 < 1/12 without flow; together the shares of both add up to less than one.
+// Both are far above the step the leaflets allow.
 
 #include <array>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "solver/fluid/grid.h"
@@ -24,7 +27,7 @@ struct FlowState {
   std::vector<double> pressure;   // Pa, padded layout
   FaceField rate_old;             // m/s2, advection + diffusion of the step before
   double dt_old = 0;              // s; 0 before the first step
-  std::array<std::array<double, 2>, 3> boundary_pressure{};  // Pa, at the time of `pressure`
+  std::array<std::array<double, 2>, 3> boundary_pressure{};  // Pa, that of the last step, as `pressure`
 };
 
 /// What one step did, for the energy budget (J) and the flow.
@@ -33,7 +36,6 @@ struct FlowStepReport {
   double advection_loss = 0;     // J, lost by the advection scheme (negative when it gains); transport through open sides excluded
   double pressure_work = 0;      // J, done by the pressures on the open sides
   double boundary_kinetic = 0;   // J, kinetic energy carried in through open sides
-  double wall_loss = 0;          // J, taken out when faces outside the tube are brought to rest
 };
 
 class NavierStokes {
@@ -42,7 +44,12 @@ class NavierStokes {
 
   FlowState make_state() const;
 
-  /// Advances by dt with the force density `force` (N/m3, padded layout) and the given boundary pressures (Pa) at the new time.
+  /// Normal velocities (m/s, along the axis whichever the side) that every following step has at its end on a side of kind `inflow`. One value a face, the
+  /// axis that follows `axis` cyclically running fastest: n[axis+1] * n[axis+2]. Zero before the first call. Work and kinetic energy that enter there are not
+  /// in FlowStepReport.
+  void set_inflow(std::size_t axis, std::size_t side, std::span<const double> normal_velocity);
+
+  /// Advances by dt under the force density `force` (N/m3, padded layout) and the boundary pressures (Pa), both constant over the step.
   /// No allocation.
   FlowStepReport advance(FlowState& state, const FaceField& force, double dt, const std::array<std::array<double, 2>, 3>& boundary_pressure);
 
@@ -59,7 +66,7 @@ class NavierStokes {
   double peak_velocity(const FlowState& state) const;        // m/s, of the face components at cell centres
   /// Volume flow (m3/s) through the z-plane of faces k, positive along +z.
   double flow_through_z(const FlowState& state, int k) const;
-  /// Largest step (s) that advection and diffusion allow.
+  /// Largest step (s) that advection and diffusion allow together.
   double stable_step(const FlowState& state) const;
 
   const FluidGrid& grid() const { return grid_; }
@@ -67,7 +74,7 @@ class NavierStokes {
   double density() const { return density_; }
   double viscosity() const { return viscosity_; }
 
-  /// Fills the ghost layers of the velocity and imposes normal velocities on walls.
+  /// Fills the ghost layers of the velocity and imposes normal velocities on walls; those on inflow sides stay as they are.
   void apply_velocity_boundary(FaceField& velocity) const;
 
  private:
@@ -75,6 +82,7 @@ class NavierStokes {
   /// rhs_ = scale * (sum of outgoing face values) of each cell.
   void divergence_to_rhs(const FaceField& velocity, double scale);
   void subtract_gradient(const std::vector<double>& potential, double scale, FaceField& velocity) const;
+  void impose_inflow(FaceField& velocity) const;
   void fill_pressure_ghosts(std::vector<double>& p, const std::array<std::array<double, 2>, 3>& boundary_value) const;
 
   FluidGrid grid_;
@@ -85,6 +93,7 @@ class NavierStokes {
   FaceField rate_;
   std::vector<double> rhs_;        // unpadded
   std::vector<double> increment_;  // padded pressure increment
+  std::array<std::array<std::vector<double>, 2>, 3> inflow_;  // m/s; empty where no inflow was set
   std::vector<std::array<double, 3>> partial_;  // one a z-slab: sums in fixed order
 };
 

@@ -13,13 +13,13 @@ inline double upwind_flux(double ua, double a, double b, double c, double d) {
   return twelfth * (ua * (7.0 * (b + c) - (a + d)) + std::abs(ua) * ((d - a) - 3.0 * (c - b)));
 }
 
-/// Net outflow of quantity q (component with stride sc) through the two faces of its control volume across axis stride sd, advected
-/// by velocity component `a` of that axis.
-inline double advective_outflow(const double* q, const double* a, std::ptrdiff_t sc, std::ptrdiff_t sd) {
-  // For sd == sc both expressions are the mean of neighbouring faces of the same component.
-  const double upper = sd == sc ? 0.5 * (a[0] + a[sd]) : 0.5 * (a[sd - sc] + a[sd]);
-  const double lower = sd == sc ? 0.5 * (a[-sd] + a[0]) : 0.5 * (a[-sc] + a[0]);
-  return upwind_flux(upper, q[-sd], q[0], q[sd], q[2 * sd]) - upwind_flux(lower, q[-2 * sd], q[-sd], q[0], q[sd]);
+/// Net outflow of q[i] through the two faces of its control volume across axis stride sd, advected by the velocity component `a` of that axis.
+/// The advecting velocity at the upper face is the mean of a[i] and a[i + shift] one stride sd up, at the lower face of both as they are; shift is -stride of
+/// q's own axis, also where that is sd. Indices instead of choices and moving pointers keep rows of cells fit for vector instructions.
+inline double advective_outflow(const double* q, const double* a, std::ptrdiff_t i, std::ptrdiff_t shift, std::ptrdiff_t sd) {
+  const double upper = 0.5 * (a[i + sd + shift] + a[i + sd]);
+  const double lower = 0.5 * (a[i + shift] + a[i]);
+  return upwind_flux(upper, q[i - sd], q[i], q[i + sd], q[i + 2 * sd]) - upwind_flux(lower, q[i - 2 * sd], q[i - sd], q[i], q[i + sd]);
 }
 
 }  // namespace mv

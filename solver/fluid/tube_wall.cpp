@@ -7,8 +7,12 @@
 namespace mv {
 namespace {
 
-// Nearer walls are treated as this share of a cell away: bounds the viscous stencil, changes nothing measurable.
-constexpr double smallest_wall_fraction = 0.01;
+// Nearer walls are treated as this share of a cell away; keeps the weights finite.
+constexpr double smallest_wall_fraction = 1e-3;
+// Faces with a larger sum of weights have them all scaled down. Such a face lies within a few hundredths of a cell of the wall; its velocity is set by the ratio of the
+// weights, so the error stays of second order (a parabola, exact without, is off by up to 2e-3 with 8 cells across, 2e-4 with 16), and the viscous step
+// no longer depends on how near the wall happens to pass to a face.
+constexpr double largest_weight_sum = 60;
 
 // Fraction s in (0,1] of the way from p to p + step at which the polygon is crossed first; 1 when it is not.
 double first_crossing(const Eigen::Vector2d& p, const Eigen::Vector2d& step, const std::vector<Eigen::Vector2d>& polygon) {
@@ -65,7 +69,13 @@ TubeWall make_tube_wall(const FluidGrid& grid, const std::vector<Eigen::Vector2d
           if (s.open[static_cast<std::size_t>(ni + px * nj)] == 0)
             fraction[d] = std::clamp(first_crossing(position(i, j), grid.h * direction[d], cross_section), smallest_wall_fraction, 1.0);
         }
-        for (std::size_t d = 0; d < 4; ++d) s.weight[d][here] = 2.0 / ((fraction[d & ~std::size_t{1}] + fraction[d | 1]) * fraction[d]);
+        double sum = 0;
+        for (std::size_t d = 0; d < 4; ++d) {
+          s.weight[d][here] = 2.0 / ((fraction[d & ~std::size_t{1}] + fraction[d | 1]) * fraction[d]);
+          sum += s.weight[d][here];
+        }
+        if (sum > largest_weight_sum)
+          for (auto& w : s.weight) w[here] *= largest_weight_sum / sum;
       }
     }
   }

@@ -80,6 +80,7 @@ LeafletsFrame read_leaflets_frame(const fs::path& file) {
   frame.contact_force = vtk::to_vectors(optional_reals(in, Place::points, "contact_force", 3, np));
   frame.contact_pressure = optional_reals(in, Place::points, "contact_pressure", 1, np);
   frame.von_mises = optional_reals(in, Place::cells, "von_mises", 1, nt);
+  frame.fibre_stress = optional_reals(in, Place::cells, "fibre_stress", 1, nt);
   return frame;
 }
 

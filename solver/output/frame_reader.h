@@ -22,6 +22,7 @@ struct LeafletsFrame {
   std::vector<Vec3> contact_force;       // N per point
   std::vector<double> contact_pressure;  // kPa per point
   std::vector<double> von_mises;         // kPa per element
+  std::vector<double> fibre_stress;      // kPa per element
 };
 
 struct ChordaeFrame {

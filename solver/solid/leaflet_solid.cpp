@@ -43,7 +43,7 @@ struct LeafletSolid::Data {
   template <int N>
   void run_tile(const Tile& tile, const double* x, BlockSums& sums);
   template <int N>
-  double tile_step(const Tile& tile, const double* x, std::span<double> element_steps) const;
+  double tile_step(const Tile& tile, const double* x, std::span<double> element_steps, int rounds) const;
   void collect_statistics();
 };
 
@@ -190,15 +190,18 @@ void LeafletSolid::Data::run_tile(const Tile& tile, const double* x, BlockSums& 
 /// Adds the forces to f; energy and the rest are left in tile_sums.
 double LeafletSolid::Data::tile_forces(std::span<const double> x, std::span<double> f) {
   assert(x.size() == mesh.points.size() && f.size() == mesh.points.size());
-  parallel_for(
-      static_cast<std::ptrdiff_t>(blocks.tiles.size()),
-      [&](std::ptrdiff_t t) {
-        BlockSums sums;
-        if (blocks.nodes == 10)
-          run_tile<10>(blocks.tiles[t], x.data(), sums);
-        else
-          run_tile<4>(blocks.tiles[t], x.data(), sums);
-        tile_sums[t] = sums;
+  // Distorted tissue, which costs more, is bunched up.
+  parallel_pieces(
+      static_cast<std::ptrdiff_t>(blocks.tiles.size()), 1,
+      [&](std::ptrdiff_t begin, std::ptrdiff_t end, int) {
+        for (std::ptrdiff_t t = begin; t < end; ++t) {
+          BlockSums sums;
+          if (blocks.nodes == 10)
+            run_tile<10>(blocks.tiles[t], x.data(), sums);
+          else
+            run_tile<4>(blocks.tiles[t], x.data(), sums);
+          tile_sums[t] = sums;
+        }
       },
       2);
   parallel_for(blocks.node_count, [&](std::ptrdiff_t n) {
@@ -245,18 +248,26 @@ double LeafletSolid::forces(std::span<const double> x, std::span<double> f) {
   return data_->statistics.energy;
 }
 
+namespace {
+
+/// Factor on v that moves the fastest node by a small share of the shortest edge; 0 when nothing moves. The share balances the h^2 error of the stiff
+/// exponential against round-off of positions.
+double difference_factor(std::span<const double> v, double shortest_edge) {
+  constexpr double relative_displacement = 3e-6;
+  double largest = 0;
+  for (std::size_t i = 0; i + 2 < v.size(); i += 3) largest = std::max(largest, v[i] * v[i] + v[i + 1] * v[i + 1] + v[i + 2] * v[i + 2]);
+  return largest > 0 ? relative_displacement * shortest_edge / std::sqrt(largest) : 0.0;
+}
+
+}   // namespace
+
 void LeafletSolid::forces_directional(std::span<const double> x, std::span<const double> v, std::span<double> out) {
-  constexpr double relative_displacement =
-      3e-6;   // balances the h^2 error of the stiff exponential against round-off of positions
   Data& d = *data_;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(x.size());
   assert(v.size() == x.size() && out.size() == x.size());
-  double largest = 0;
-  for (std::ptrdiff_t i = 0; i + 2 < n; i += 3)
-    largest = std::max(largest, v[i] * v[i] + v[i + 1] * v[i + 1] + v[i + 2] * v[i + 2]);
   std::fill(out.begin(), out.end(), 0.0);
-  if (!(largest > 0)) return;
-  const double epsilon = relative_displacement * d.shortest_edge / std::sqrt(largest);
+  const double epsilon = difference_factor(v, d.shortest_edge);
+  if (!(epsilon > 0)) return;
   parallel_for(n, [&](std::ptrdiff_t i) { d.work_x[i] = x[i] + epsilon * v[i]; });
   d.tile_forces(d.work_x, out);
   parallel_for(n, [&](std::ptrdiff_t i) {
@@ -267,12 +278,23 @@ void LeafletSolid::forces_directional(std::span<const double> x, std::span<const
   parallel_for(n, [&](std::ptrdiff_t i) { out[i] = (d.work_f[i] - out[i]) / (2 * epsilon); });
 }
 
+void LeafletSolid::forces_directional(std::span<const double> x, std::span<const double> at_x, std::span<const double> v, std::span<double> out) {
+  Data& d = *data_;
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(x.size());
+  assert(v.size() == x.size() && out.size() == x.size() && at_x.size() == x.size());
+  std::fill(out.begin(), out.end(), 0.0);
+  const double epsilon = difference_factor(v, d.shortest_edge);
+  if (!(epsilon > 0)) return;
+  parallel_for(n, [&](std::ptrdiff_t i) { d.work_x[i] = x[i] + epsilon * v[i]; });
+  d.tile_forces(d.work_x, out);
+  parallel_for(n, [&](std::ptrdiff_t i) { out[i] = (at_x[i] - out[i]) / epsilon; });
+}
+
 // --- critical step
 
 /// Power iteration on M_e^(-1/2) K_e M_e^(-1/2) of eight elements at a time, K_e by central differences of the element forces.
 template <int N>
-double LeafletSolid::Data::tile_step(const Tile& tile, const double* x, std::span<double> element_steps) const {
-  constexpr int rounds = 16;
+double LeafletSolid::Data::tile_step(const Tile& tile, const double* x, std::span<double> element_steps, int rounds) const {
   constexpr double relative_displacement = 1e-6;
   alignas(64) double position[4 * tile_nodes_max];
   load_tile_nodes(blocks, tile, x, position);
@@ -333,14 +355,14 @@ double LeafletSolid::Data::tile_step(const Tile& tile, const double* x, std::spa
   return shortest;
 }
 
-double LeafletSolid::critical_step(std::span<const double> x, std::span<double> element_steps) {
+double LeafletSolid::critical_step(std::span<const double> x, std::span<double> element_steps, int rounds) {
   Data& d = *data_;
   assert(element_steps.empty() || static_cast<long>(element_steps.size()) == d.blocks.element_count);
   parallel_for(
       static_cast<std::ptrdiff_t>(d.blocks.tiles.size()),
       [&](std::ptrdiff_t t) {
-        d.tile_steps[t] = d.blocks.nodes == 10 ? d.tile_step<10>(d.blocks.tiles[t], x.data(), element_steps)
-                                               : d.tile_step<4>(d.blocks.tiles[t], x.data(), element_steps);
+        d.tile_steps[t] = d.blocks.nodes == 10 ? d.tile_step<10>(d.blocks.tiles[t], x.data(), element_steps, rounds)
+                                               : d.tile_step<4>(d.blocks.tiles[t], x.data(), element_steps, rounds);
       },
       2);
   return *std::min_element(d.tile_steps.begin(), d.tile_steps.end());

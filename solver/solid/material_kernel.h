@@ -241,16 +241,21 @@ MV_INLINE Response<T> invariant_response(const LawConstants& k, const Deformatio
   return r;
 }
 
-/// True where a nominal strain may pass the control strain: bounds of the squared principal stretches c,
-///   q - 2p <= c <= q + 2p,  q = I1/3, p = sqrt(I1^2 - 3 I2)/3,   and   c >= J^2/I2.   Never false where control must act.
+/// True where a nominal strain, of a principal stretch or the volume, may pass the control strain. Exact but for a slack of 1e-6: never false where control
+/// must act.
 template <class T>
 MV_INLINE Mask<T> may_be_distorted(const LawConstants& k, const Deformation<T>& d) {
   constexpr double slack = 1e-6;
-  const double low = 1 - k.control_strain + slack, high = 1 + k.control_strain - slack;
-  const T q = d.I1 * (1.0 / 3.0);
-  const T two_p = (2.0 / 3.0) * square_root(maximum(d.I1 * d.I1 - 3.0 * d.I2, T{}));
-  const auto is_small = (q - two_p < broadcast<T>(low * low)) & (d.J * d.J < low * low * d.I2);
-  return is_small | (q + two_p > broadcast<T>(high * high)) | (d.J < broadcast<T>(low)) | (d.J > broadcast<T>(high));
+  const double least = 1 - k.control_strain + slack, most = 1 + k.control_strain - slack;
+  const double low = least * least, high = most * most;
+  // The squared stretches are the roots of c(s) = s^3 - I1 s^2 + I2 s - J^2, all real: all lie below s when c, c' and c'' are positive there, all above
+  // when -c, c' and -c'' are.
+  const T J2 = d.J * d.J;
+  const auto value = [&](double s) { return ((s - d.I1) * s + d.I2) * s - J2; };
+  const auto slope = [&](double s) { return (3 * s - 2 * d.I1) * s + d.I2; };
+  const auto is_below = (value(high) > T{}) & (slope(high) > T{}) & (d.I1 < broadcast<T>(3 * high));
+  const auto is_above = (value(low) < T{}) & (slope(low) > T{}) & (d.I1 > broadcast<T>(3 * low));
+  return (is_below & is_above & (d.J > broadcast<T>(least)) & (d.J < broadcast<T>(most))) == Mask<T>{};
 }
 
 /// Adds distortion control to P, returns its energy density; `is_active` where it is not zero.

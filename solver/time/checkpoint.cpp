@@ -10,7 +10,7 @@ namespace mv {
 namespace {
 
 // Increase when a field is added to State or Checkpoint.
-constexpr const char* magic = "mvsolve checkpoint 3\n";
+constexpr const char* magic = "mvsolve checkpoint 6\n";
 constexpr std::size_t checksum_length = 64;
 
 class Writer {
@@ -79,7 +79,7 @@ void archive_state(Archive& a, State& s) {
   a(s.flow.pressure);
   for (auto& c : s.flow.rate_old.c) a(c);
   a(s.flow.dt_old), a(s.flow.boundary_pressure), a(s.holding), a(s.relax_steps), a(s.mean_volume), a(s.relax_shift), a(s.unseen_shift), a(s.unseen_work), a(s.film_gaps), a(s.friction_slip), a(s.ledger);
-  a(s.dt), a(s.frequency), a(s.energy_at_estimate), a(s.contact_at_estimate), a(s.step_of_estimate), a(s.mode_shape), a(s.stiffest_part), a(s.dt_cap), a(s.cap_until_step), a(s.rollbacks), a(s.rollbacks_in_a_row), a(s.flow_step);
+  a(s.dt), a(s.frequency), a(s.mode_shape), a(s.stiffest_part), a(s.dt_cap), a(s.cap_until_step), a(s.last_estimate), a(s.next_estimate), a(s.energy_at_estimate), a(s.contact_at_estimate), a(s.is_stiffening), a(s.rollbacks), a(s.rollbacks_in_a_row), a(s.fastest), a(s.flow_step);
   a(s.dt_sum), a(s.dt_min), a(s.volume_backward), a(s.volume_swept), a(s.flow_rate), a(s.closure_began), a(s.volume_at_closure_start);
   a(s.closing_volume), a(s.closing_time), a(s.elastic_energy), a(s.chordae_energy), a(s.contact_energy), a(s.initial_energy);
   a(s.controlled_fraction_max), a(s.penetration_max), a(s.J_min), a(s.J_max);

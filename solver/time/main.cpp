@@ -10,6 +10,8 @@
 #include "geometry/core/version.h"
 #include "solver/output/summary.h"
 #include "solver/report/report.h"
+#include "solver/study/commands.h"
+#include "solver/study/recommended.h"
 #include "solver/study/stability_command.h"
 #include "solver/time/run.h"
 
@@ -53,12 +55,18 @@ int main(int argc, char** argv) {
   run_command->add_option("-o,--output", run.results, "results directory")->required();
   run_command->add_option("--threads", threads, "number of threads (default: all cores)")->check(CLI::Range(1, 1024));
   run_command->add_option("--set", run.settings, "override a setting of case.toml, key=value (repeatable)")->take_all();
+  std::string asked;
+  run_command->add_option("--accuracy", asked, "choose the settings for an error such as 2% (mvsolve accuracy); --set comes after them");
   run_command->add_flag("--resume", run.is_resumed, "go on from RESULTS/checkpoint");
 
   std::filesystem::path report_results;
   CLI::App* report_command = app.add_subcommand("report", "write RESULTS/report.html again from RESULTS alone");
   report_command->add_option("RESULTS", report_results, "results directory")->required();
 
+  std::string command_line = "mvsolve";
+  for (int i = 1; i < argc; ++i) command_line += " " + std::string(argv[i]);
+  const auto accuracy = mv::add_accuracy_command(app, command_line);
+  const auto bench = mv::add_bench_command(app, command_line);
   mv::StabilityCommand stability(app, &is_interrupted);
 
   try {
@@ -73,8 +81,12 @@ int main(int argc, char** argv) {
       if (threads > 0) mv::set_thread_count(threads);
       std::signal(SIGINT, on_interrupt);
       std::signal(SIGTERM, on_interrupt);
-      for (int i = 0; i < argc; ++i) run.command_line += (i ? " " : "") + std::string(i ? argv[i] : "mvsolve");
+      run.command_line = command_line;
       run.is_interrupted = &is_interrupted;
+      if (!asked.empty()) {
+        const std::vector<std::string> chosen = mv::settings_for_accuracy(run.case_directory, mv::parse_percent(asked));
+        run.settings.insert(run.settings.begin(), chosen.begin(), chosen.end());
+      }
       if (mv::run_case(run) == mv::RunEnd::interrupted) return static_cast<int>(mv::ExitCode::interrupted);
       print_summary(run.results);
     } else if (stability.is_asked()) {
@@ -83,6 +95,10 @@ int main(int argc, char** argv) {
       return static_cast<int>(stability.run());
     } else if (*report_command) {
       std::cout << mv::write_report(report_results).string() << "\n";
+    } else if (app.got_subcommand("accuracy")) {
+      accuracy();
+    } else if (app.got_subcommand("bench")) {
+      bench();
     }
     return 0;
   } catch (const mv::Error& error) {

@@ -31,6 +31,8 @@ constexpr double end_cells = 2.0;
 constexpr double reach_without_chordae = 1.1, reach_with_chordae = 0.25;
 // Tissue in blood keeps its volume as far as its volumetric stiffness exceeds the pressure: 2 MPa at 16 kPa drifts by 0.8 %, 75 kPa by 23 %.
 constexpr double bulk_over_pressure = 10;
+constexpr double chorda_stress_allowed = 100e6;   // Pa, three times what tears chordae
+constexpr double sudden = 5e-3;                   // s, leaflets do not follow tips that move faster
 
 double poisson_ratio(double bulk, double shear) { return (3 * bulk - 2 * shear) / (6 * bulk + 2 * shear); }
 
@@ -180,6 +182,23 @@ void check_room(const Scene& scene) {
                                 length, need, scene.has_chordae() ? " where no chorda is near" : " without chordae", room, std::ceil(need - room)));
 }
 
+/// A sudden movement of the tips is taken up by the chordae alone.
+void check_jerk(const Scene& scene) {
+  const Vec3 moved = 1e3 * Vec3::Map(scene.config.numbers("papillary.displacement").data());
+  if (moved.isZero() || scene.config.number("papillary.move_time") > sudden) return;
+  const Chordae& chordae = scene.chordae;
+  for (std::size_t s = 0; s < chordae.segments.size(); ++s) {
+    const ChordaSegment& segment = chordae.segments[s];
+    if (chordae.muscle_of_point[static_cast<std::size_t>(segment.a)] < 0) continue;
+    const double length = (chordae.points[static_cast<std::size_t>(segment.b)] - chordae.points[static_cast<std::size_t>(segment.a)] - moved).norm();
+    const double stress = scene.config.number("chordae.stiffness") * (length / segment.rest_length - 1);
+    if (stress > chorda_stress_allowed)
+      throw ConfigError(fmt::format("papillary.displacement: the tips' movement within {:.2g} ms pulls chorda {} to {:.0f} MPa, at most {:.0f} MPa is allowed (chordae tear at some 30 MPa); "
+                                    "raise papillary.move_time, or lower the displacement or chordae.stiffness",
+                                    1e3 * scene.config.number("papillary.move_time"), s, 1e-6 * stress, 1e-6 * chorda_stress_allowed));
+  }
+}
+
 void warn_of_leaks(const Scene& scene) {
   if (!scene.has_fluid()) return;
   // Half the fluid spacing is what keeps blood from slipping between solid points; diagonals through the thickness do not count (mvprep's gate).
@@ -224,6 +243,7 @@ void preflight(const Scene& scene, const Waveform& waveform) {
   check_elements(scene);
   check_crossings(scene);
   check_room(scene);
+  check_jerk(scene);
   warn_of_leaks(scene);
 }
 

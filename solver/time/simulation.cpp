@@ -18,19 +18,24 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 constexpr double metres_per_mm = 1e-3;
-constexpr int estimate_every = 50;        // steps between two estimates of the stiffest mode
+// Steps between two estimates of the stiffest mode: few while it stiffens quickly (fibres at the impact, contact) and after a rollback.
+constexpr int estimate_every = 80, estimate_soon = 10, estimate_at_once = 5;
+constexpr double quick_stiffening = 1.03;  // growth of the frequency from one estimate to the next
+// Growth of the energy of tissue or contact since the last estimate. Contact counts from a share of the tissue's energy on.
+constexpr double slow_loading = 1.03, quick_loading = 1.05, sudden_loading = 1.2, contact_share = 0.01;
+constexpr double room_to_stiffen = 0.7;    // share of the step that is used while it stiffens quickly
 constexpr int estimate_products = 3;
-constexpr int estimate_apart = 5;          // steps, at least
-constexpr double estimate_growth = 0.2;    // of elastic or contact energy, calls for an estimate before its time
-constexpr double estimate_contact_share = 0.01;   // contact energy below this share of the elastic one does not count
+// Of the power iteration for the elements' own critical steps: relaxation keeps a ninth of its limit, so that a few per cent do not matter.
+constexpr int relaxation_rounds = 6;
 constexpr int volumes_every = 10;          // steps between two evaluations of the nodes' smoothed volumes
 constexpr int gaps_every = 20;             // steps between two searches for facing leaflets
 constexpr int snapshot_every = 200;       // steps between two states to fall back to
 constexpr int rollbacks_allowed = 8;      // in a row
-constexpr int cap_steps = 2000;           // how long the smaller step lasts after a rollback
+constexpr int cap_steps = 500;            // how long the smaller step lasts after a rollback
 // An inverted element is pushed back by the continued law and distortion control; a step fails when they become more than a few.
 constexpr double inverted_share_allowed = 2e-4;
 constexpr double largest_move = 0.25;     // of the fluid spacing (or the mesh spacing) in one step
+constexpr double move_share = 0.6;        // of largest_move that the next step may make at the last step's largest velocity
 // Structure-only scenes: mass-proportional damping rate (1/s) that brings the closing motion to rest within a beat.
 constexpr double structural_damping_rate = 300.0;
 
@@ -43,6 +48,12 @@ double swept_volume_of(const std::vector<std::array<int, 3>>& faces, const std::
     const Vec3 a0 = (at(x0, 1) - at(x0, 0)).cross(at(x0, 2) - at(x0, 0)), a1 = (at(x1, 1) - at(x1, 0)).cross(at(x1, 2) - at(x1, 0));
     return moved.dot(a0 + a1) / 12.0;
   });
+}
+
+/// Whether tissue or contact hold `growth` times the energy they held at the last estimate: what is stretched further, or pressed harder, is stiffer.
+bool is_loaded(const State& state, double growth) {
+  return state.elastic_energy > growth * state.energy_at_estimate ||
+         state.contact_energy > growth * state.contact_at_estimate + contact_share * state.elastic_energy;
 }
 
 }  // namespace
@@ -106,24 +117,28 @@ State Simulation::initial_state() {
 double Simulation::choose_step(State& state, double stop_time, std::string& limiter) {
   const Config& config = scene_.config;
   const auto start = Clock::now();
-  // Between two estimates the leaflets may be stretched, or meet: whatever stores more energy by a share is stiffer than it was.
-  const bool has_stiffened = state.elastic_energy > (1 + estimate_growth) * state.energy_at_estimate ||
-                             state.contact_energy > (1 + estimate_growth) * state.contact_at_estimate + estimate_contact_share * state.elastic_energy;
-  const bool is_due = state.step % estimate_every == 0 || (has_stiffened && state.step >= state.step_of_estimate + estimate_apart);
-  if (is_due) {
-    state.energy_at_estimate = state.elastic_energy;
-    state.contact_at_estimate = state.contact_energy;
-    state.step_of_estimate = state.step;
+  const bool is_estimated = state.step >= state.next_estimate || (state.step >= state.last_estimate + estimate_soon && is_loaded(state, quick_loading)) ||
+                            (state.step >= state.last_estimate + estimate_at_once && is_loaded(state, sudden_loading));
+  if (is_estimated) {
+    const double before = state.frequency;
+    const bool is_probed = is_loaded(state, slow_loading) || state.step < state.cap_until_step;
     // The tangent of contact belongs to these positions, also after a resume or a rollback.
     if (structure_->contact()) refresh(state);
     if (coupling_) coupling_->bind({state.x, state.v, structure_->is_fixed()});
+    if (coupling_ && config.flag("coupling.relaxation")) update_relaxation(state);
+    if (is_probed) stable_step_->look_at_stiff_nodes(state);
     stable_step_->update(state, *structure_, coupling_ ? &*coupling_ : nullptr, fluid_ ? &*fluid_ : nullptr, estimate_products);
-    if (coupling_ && scene_.config.flag("coupling.relaxation")) update_relaxation(state);
+    state.last_estimate = state.step;
+    state.energy_at_estimate = state.elastic_energy;
+    state.contact_at_estimate = state.contact_energy;
+    const bool is_soon = state.step < state.cap_until_step || (before > 0 && state.frequency > quick_stiffening * before);
+    state.next_estimate = state.step + (is_soon ? estimate_soon : estimate_every);
+    state.is_stiffening = is_soon;
   }
   times_.step_estimate += seconds_since(start);
   double dt = config.number("time.step_max");
   limiter = "step_max";
-  const double stable = state.frequency > 0 ? 2.0 / state.frequency : 1e300;
+  const double stable = state.frequency > 0 ? (state.is_stiffening ? room_to_stiffen : 1.0) * 2.0 / state.frequency : 1e300;
   if (config.number("time.safety") * stable < dt) {
     dt = config.number("time.safety") * stable;
     limiter = state.stiffest_part;
@@ -140,10 +155,14 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
       has_warned_of_step_ = true;
     }
   }
-  if (fluid_ && is_due) state.flow_step = fluid_->stable_step(state.flow);
+  if (fluid_ && is_estimated) state.flow_step = fluid_->stable_step(state.flow);
   if (fluid_ && state.flow_step < dt) {
     dt = state.flow_step;
     limiter = "flow";
+  }
+  if (const double most = move_share * largest_move * motion_scale(); state.fastest * dt > most) {
+    dt = most / state.fastest;
+    limiter = "motion";
   }
   if (state.step < state.cap_until_step && state.dt_cap < dt) {
     dt = state.dt_cap;
@@ -151,20 +170,17 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
   }
   // Growing slowly keeps the two-step scheme of the flow smooth.
   if (state.dt > 0) dt = std::min(dt, 1.1 * state.dt);
-  if (state.time + dt > stop_time) {
-    dt = stop_time - state.time;
-    limiter = "output";
-  } else if (state.time + 2 * dt > stop_time) {
-    dt = 0.5 * (stop_time - state.time);
-    limiter = "output";
-  }
-  return dt;
+  // Even steps to the next output: cutting the last one would leave the next ones to grow again.
+  const double left = stop_time - state.time;
+  const double count = std::ceil(left / dt - 1e-9);
+  if (count <= 1) limiter = "output";
+  return left / std::max(count, 1.0);
 }
 
 void Simulation::update_relaxation(State& state) {
   LeafletSolid& solid = structure_->solid();
   element_steps_.resize(static_cast<std::size_t>(solid.element_count()));
-  solid.critical_step(std::span<const double>(state.x.data(), 3 * static_cast<std::size_t>(structure_->leaflet_nodes())), element_steps_);
+  solid.critical_step(std::span<const double>(state.x.data(), 3 * static_cast<std::size_t>(structure_->leaflet_nodes())), element_steps_, relaxation_rounds);
   state.relax_steps.assign(structure_->is_fixed().size(), 1e300);
   const auto& mesh = solid.mesh();
   for (std::size_t e = 0; e < element_steps_.size(); ++e)
@@ -177,7 +193,7 @@ void Simulation::update_relaxation(State& state) {
 }
 
 void Simulation::advance(State& state, double dt) {
-  const double pressure = waveform_.at(state.time + dt);
+  const double pressure = waveform_.at(state.time + 0.5 * dt);  // second order in time: it acts over the whole step
   x_before_ = state.x;
   if (structure_->contact()) structure_->contact()->import_history(state.friction_slip);
   structure_->evaluate(state, dt, pressure, forces_, times_);
@@ -277,7 +293,9 @@ double Simulation::work_on(const std::vector<double>& shift) const {
   return parallel_sum(static_cast<std::ptrdiff_t>(shift.size()), [&](std::ptrdiff_t a) { return forces_[static_cast<std::size_t>(a)] * shift[static_cast<std::size_t>(a)]; });
 }
 
-std::string Simulation::failure(const State& state, int outside) const {
+double Simulation::motion_scale() const { return metres_per_mm * (fluid_ ? scene_.tube.grid_spacing : 1.0); }
+
+std::string Simulation::failure(State& state, int outside) const {
   if (outside > 0) return fmt::format("{} leaflet points left the fluid box", outside);
   if (!structure_->solid().statistics().is_finite) return "the tissue's energy is not finite";
   if (const SolidStatistics& solid = structure_->solid().statistics();
@@ -288,9 +306,14 @@ std::string Simulation::failure(const State& state, int outside) const {
     return fmt::format("{} elements are inverted, the worst is element {} (layer {}, at u {:.1f} mm, v {:.1f} mm of the flat pattern)", solid.inverted, element,
                        scene_.mesh.layer[element], uv.x(), uv.y());
   }
-  const double limit = largest_move * metres_per_mm * (fluid_ ? scene_.tube.grid_spacing : 1.0);
-  for (std::size_t a = 0; a < state.x.size(); ++a)
-    if (!(std::abs(state.x[a] - x_before_[a]) < limit)) return fmt::format("node {} moved {:.3g} mm in one step", a / 3, 1e3 * std::abs(state.x[a] - x_before_[a]));
+  const double limit = largest_move * motion_scale();
+  double moved = 0;
+  for (std::size_t a = 0; a < state.x.size(); ++a) {
+    const double move = std::abs(state.x[a] - x_before_[a]);
+    if (!(move < limit)) return fmt::format("node {} moved {:.3g} mm in one step", a / 3, 1e3 * move);
+    moved = std::max(moved, move);
+  }
+  state.fastest = moved / state.dt;
   if (!std::isfinite(state.flow_rate)) return "the flow is not finite";
   return "";
 }
@@ -320,6 +343,7 @@ std::string Simulation::step(State& state, double stop_time) {
     state = snapshot_;
     state.dt_cap = cap;
     state.cap_until_step = state.step + cap_steps;
+    state.next_estimate = state.last_estimate = state.step;
     state.rollbacks = total;
     state.rollbacks_in_a_row = in_a_row;
     snapshot_ = state;

@@ -67,7 +67,9 @@ class Simulation {
   void book_unseen_motion(State& state);
   double work_on(const std::vector<double>& shift) const;
   double choose_step(State& state, double stop_time, std::string& limiter);
-  std::string failure(const State& state, int outside) const;
+  /// Why the step just made cannot stand, or empty; notes the largest velocity of a node.
+  std::string failure(State& state, int outside) const;
+  double motion_scale() const;  // m, what motions of one step are measured against
 
   Scene scene_;
   Waveform waveform_;

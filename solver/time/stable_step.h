@@ -15,11 +15,16 @@ class StableStep {
  public:
   StableStep(std::size_t unknowns, const FluidGrid* grid);
 
-  /// Improves state.mode_shape by `iterations` products and sets state.frequency (rad/s) and state.stiffest_part.
+  /// Improves state.mode_shape by at least `iterations` products, until its frequency settles, and sets state.frequency (rad/s) and state.stiffest_part.
   void update(State& state, Structure& structure, const Coupling* coupling, NavierStokes* fluid, int iterations);
+
+  /// Mixes into state.mode_shape what moves the nodes of the stiffest elements (State::relax_steps; nothing without them): tissue that is loaded elsewhere than
+  /// before makes a mode that the last one, found by products alone, does not contain.
+  void look_at_stiff_nodes(State& state);
 
  private:
   std::vector<double> stiff_, moved_;
+  std::vector<double> probe_;
   FaceField scratch_;
 };
 

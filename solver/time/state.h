@@ -39,13 +39,15 @@ struct State {
   // step control
   double dt = 0;                      // s, of the last step
   double frequency = 0;               // rad/s, estimate of the stiffest mode
-  double energy_at_estimate = 0, contact_at_estimate = 0;   // J, elastic and contact energy when it was estimated
-  long step_of_estimate = 0;
   std::vector<double> mode_shape;     // of that mode, start of the next estimate
   std::string stiffest_part;          // what makes that mode stiff
   double dt_cap = 1e300;              // s, after a rollback
   long cap_until_step = 0;
+  long last_estimate = 0, next_estimate = 0;  // steps of the estimates of `frequency`: the last one, and at the latest the next
+  double energy_at_estimate = 0, contact_at_estimate = 0;  // J, elastic and contact energy at the last one
+  bool is_stiffening = false;         // `frequency` grew quickly from the last estimate but one to the last
   long rollbacks = 0, rollbacks_in_a_row = 0;
+  double fastest = 0;                 // m/s, largest component of a node's velocity in the last step
   double flow_step = 1e300;           // s, largest step the flow allows
   double dt_sum = 0, dt_min = 1e300;  // s
 

@@ -164,11 +164,19 @@ void Structure::evaluate(State& state, double dt, double ventricular_pressure, s
   }
 }
 
-void Structure::stiffness_times(std::span<const double> x, std::span<const double> v, std::span<double> out, std::array<double, 3>& shares) {
+void Structure::begin_products(std::span<const double> x) {
+  x_of_products_ = x;
+  const std::size_t leaflet_size = 3 * static_cast<std::size_t>(leaflet_nodes_);
+  tissue_forces_.assign(leaflet_size, 0.0);
+  solid_->forces(x.first(leaflet_size), tissue_forces_);
+}
+
+void Structure::stiffness_times(std::span<const double> v, std::span<double> out, std::array<double, 3>& shares) {
+  const std::span<const double> x = x_of_products_;
   const std::size_t leaflet_size = 3 * static_cast<std::size_t>(leaflet_nodes_);
   std::fill(out.begin(), out.end(), 0.0);
   auto product = [&] { return std::inner_product(out.begin(), out.end(), v.begin(), 0.0); };
-  solid_->forces_directional(x.first(leaflet_size), v.first(leaflet_size), out.first(leaflet_size));
+  solid_->forces_directional(x.first(leaflet_size), tissue_forces_, v.first(leaflet_size), out.first(leaflet_size));
   shares[0] = product();
   if (chordae_) chordae_->stiffness_times(x, tips_, v, out);
   shares[1] = product() - shares[0];

@@ -43,8 +43,11 @@ class Structure {
   /// the ventricular face when the scene has no blood. Updates the energies and statistics in `state`.
   void evaluate(State& state, double dt, double ventricular_pressure, std::span<double> forces, PartTimes& times);
 
-  /// out = K v with K = -dF/dx at x; `shares` receives the parts of v.K.v: tissue, chordae, contact.
-  void stiffness_times(std::span<const double> x, std::span<const double> v, std::span<double> out, std::array<double, 3>& shares);
+  /// Sets the positions x (kept by reference until the last product) of the following stiffness_times().
+  void begin_products(std::span<const double> x);
+
+  /// out = K v with K = -dF/dx at the x of begin_products(); `shares` receives the parts of v.K.v: tissue, chordae, contact.
+  void stiffness_times(std::span<const double> v, std::span<double> out, std::array<double, 3>& shares);
 
   LeafletSolid& solid() { return *solid_; }
   const LeafletSolid& solid() const { return *solid_; }
@@ -61,6 +64,8 @@ class Structure {
   double reference_volume() const { return reference_volume_; }
 
  private:
+  std::span<const double> x_of_products_;
+  std::vector<double> tissue_forces_;  // at x_of_products_
   void move_boundary(State& state, double dt);
 
   int leaflet_nodes_ = 0;

@@ -12,6 +12,8 @@
 #include "solver/seal/belt.h"
 #include "solver/seal/seal.h"
 #include "solver/seal/valve_metrics.h"
+#include "solver/solid/stress.h"
+#include "solver/time/stress_areas.h"
 
 namespace mv {
 namespace {
@@ -103,6 +105,17 @@ void put_contact(Summary& summary, const Simulation& simulation, const State& st
   }
 }
 
+void put_tissue(Summary& summary, const Simulation& simulation, const State& state) {
+  const Scene& scene = simulation.scene();
+  if (scene.config.text("fibers.model") == "none") return;
+  const std::size_t points = scene.mesh.points.size();
+  const ElementStress stress = element_stress(simulation.structure().solid(), std::span<const double>(state.x.data(), 3 * points));
+  const StressAreas areas = find_stress_areas(scene.mesh, scene.papillary.tips);
+  summary.set("tissue.fibre_stress_belly_kPa", 1e-3 * mean_over(scene.mesh, areas.belly, stress.fibre_stress));
+  summary.set("tissue.fibre_stress_trigones_kPa", Json::array({1e-3 * mean_over(scene.mesh, areas.trigone[0], stress.fibre_stress),
+                                                               1e-3 * mean_over(scene.mesh, areas.trigone[1], stress.fibre_stress)}));
+}
+
 /// Where triangles cross, gathered into places at least `apart_mm` from each other on the flat pattern.
 Json crossing_places(const LeafletMesh& mesh, const std::vector<std::array<int, 3>>& triangles, const std::vector<std::pair<int, int>>& crossings) {
   constexpr double apart_mm = 3.0;
@@ -182,6 +195,7 @@ Summary summarize(Simulation& simulation, const State& state, const ContactMeasu
   summary.set("contact.self_intersections", static_cast<long>(crossings.size()));
   summary.set("contact.self_intersection_places", crossing_places(scene.mesh, boundary, crossings));
 
+  put_tissue(summary, simulation, state);
   const AnnulusPlane plane = plane_of(scene);
   const Triangles atrial_triangles = faces_on_side(scene.mesh, atrial).triangles;
   const Bulging bulging = measure_bulging(points, atrial_triangles, plane);

@@ -224,7 +224,7 @@ TEST(Mvsolve, a_full_disk_ends_with_code_7_and_leaves_nothing_half_written) {
 TEST(Mvsolve, a_run_that_cannot_go_on_ends_with_code_6_a_reason_and_a_readable_last_frame) {
   const fs::path results = scratch() / "diverged";
   const Outcome o = run("mvsolve", {"run", coarse_case().string(), "-o", results.string(), "--set", "pressure.peak=500 mmHg", "--set", "pressure.rise_time=0.01 ms", "--set",
-                                    "leaflet.bulk=1 Pa", "--set", "leaflet.distortion_factor=0", "--set", "chordae.model=none", "--set", "time.end=30 ms"});
+                                    "leaflet.distortion_factor=0", "--set", "leaflet.anterior.m1_a=0 Pa", "--set", "leaflet.anterior.m1_c=100 Pa", "--set", "coupling.relaxation=false", "--set", "time.end=30 ms"});
   EXPECT_EQ(o.code, 6) << o.err;
   const Json s = summary(results);
   EXPECT_FALSE(s["trust"]["passed"].get<bool>());

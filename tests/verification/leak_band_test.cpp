@@ -29,9 +29,8 @@ constexpr double leak_fraction = 0.0130, leak_fraction_integral = 0.0188;
 constexpr double J_low = 0.999965, J_high = 1.00002;
 
 constexpr double cm = 1e-2, cm2 = 1e-4;  // m, m2
-constexpr double h = 0.015625 * cm, dt = 1.5625e-4;
+constexpr double reference_h = 0.015625 * cm, reference_dt = 1.5625e-4;
 constexpr int reference_steps = 100;
-constexpr int cells_deep = 3;
 
 struct LeakResult {
   double inflow = 0, swept = 0;                    // m2/s, half a step before the end
@@ -65,7 +64,10 @@ double swept_of(const SlabFlow& slab, const Plate& band) {
   return area;
 }
 
-LeakResult run_band(Kernel kernel, Relaxation relaxation, int steps = reference_steps) {
+/// `refinement`: spacings and step are those of the reference divided by it.
+LeakResult run_band(Kernel kernel, Relaxation relaxation, int reference_step_count = reference_steps, double refinement = 1, int cells_deep = 3) {
+  const double h = reference_h / refinement, dt = reference_dt / refinement;
+  const int steps = static_cast<int>(std::lround(reference_step_count * refinement));
   SlabSetup setup;
   setup.grid = slab_grid({0, 2.0 * cm}, {0, 1.5 * cm}, h, cells_deep);
   setup.boundary.side[0] = {BoundaryKind::open, BoundaryKind::open};
@@ -80,7 +82,8 @@ LeakResult run_band(Kernel kernel, Relaxation relaxation, int steps = reference_
   SlabTissue tissue;
   tissue.depth = cells_deep * h;
   tissue.columns = 2 * cells_deep;
-  const Plate band = tissue.add_plate({0.5 * cm, 1.5 * cm}, 128, {0.484 * cm, 0.5 * cm}, 2);
+  const Plate band = tissue.add_plate({0.5 * cm, 1.5 * cm}, static_cast<int>(std::lround(128 * refinement)), {0.484 * cm, 0.5 * cm},
+                                      std::max(1, static_cast<int>(std::lround(2 * refinement))));
   for (int k = 0; k <= band.nz; ++k)
     for (int j = 0; j <= band.columns; ++j)
       for (int i : {0, band.nx}) tissue.is_held[static_cast<std::size_t>(band.node(i, j, k))] = 1;
@@ -132,6 +135,16 @@ void expect_tight(const LeakResult& r) {
   EXPECT_NEAR(r.leak_integral(), 0.0, 0.1 * leak_fraction_integral);
 }
 
+void expect_less_leak(Kernel kernel, double refinement) {
+  const LeakResult r = run_band(kernel, Relaxation::none, reference_steps, refinement, 1);
+  std::printf("%-5s thickness %.2f h: inflow %.6f cm2/s  leak %+.4f %%, integral %+.4f %% (printed %.2f, %.2f %%)  J %.5f .. %.5f (%.0f s)\n",
+              kernel == Kernel::ib4 ? "ib4" : kernel == Kernel::ib3 ? "ib3" : "cbs32", 1.024 * refinement, r.inflow / cm2, 100 * r.leak(), 100 * r.leak_integral(),
+              100 * leak_fraction, 100 * leak_fraction_integral, r.J_min, r.J_max, r.seconds);
+  std::fflush(stdout);
+  EXPECT_LT(std::abs(r.leak()), leak_fraction);
+  EXPECT_LT(std::abs(r.leak_integral()), leak_fraction_integral);
+}
+
 class LeakBand : public ::testing::Test {
   OneThread one_thread_;
 };
@@ -160,6 +173,16 @@ TEST_F(LeakBand, other_kernels_leak_less_than_the_reference) {
     expect_tight(r);
     EXPECT_NEAR(r.inflow / cm2, inflow_rate, 0.03 * inflow_rate);
   }
+}
+
+// The band is half a cell, a cell, and two cells thick; one cell deep instead of three, which changes nothing a kernel sees.
+TEST_F(LeakBand, every_kernel_leaks_less_than_the_reference_at_every_spacing) {
+  for (const Kernel kernel : {Kernel::ib4, Kernel::ib3, Kernel::cbs32})
+    for (const double refinement : {0.5, 1.0}) expect_less_leak(kernel, refinement);
+}
+
+TEST_F(LeakBand, DISABLED_every_kernel_leaks_less_than_the_reference_at_half_the_spacing) {
+  for (const Kernel kernel : {Kernel::ib4, Kernel::ib3, Kernel::cbs32}) expect_less_leak(kernel, 2.0);
 }
 
 // Beyond the reference: the band bulges by fourteen cells, where the numbers of step 100 do not apply. Measured: -0.10 % (-0.06 %

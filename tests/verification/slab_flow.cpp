@@ -9,6 +9,11 @@ namespace {
 // Rhythms of Simulation::advance (solver/time/simulation.cpp).
 constexpr long estimate_every = 50, volumes_every = 10, gaps_every = 20;
 
+// Coupling finds the mobility of held nodes without their periodic images. A slab thinner than the kernel has up to 8/3 times as much (the inverse of
+// ib4's sum of squared weights along y), and holding is softened by that.
+constexpr int thin_slab = 3;
+constexpr double thin_slab_mobility = 8.0 / 3.0;
+
 FluidBoundary periodic_in_y(FluidBoundary boundary) {
   boundary.side[1] = {BoundaryKind::periodic, BoundaryKind::periodic};
   return boundary;
@@ -18,28 +23,34 @@ FluidBoundary periodic_in_y(FluidBoundary boundary) {
 
 void fold_periodic_y(const FluidGrid& grid, FaceField& field, bool fill) {
   const int n = grid.n[1], end = n + 1 + FluidGrid::ghosts;
+  const auto image = [&](int j) { return ((j % n) + n) % n; };
   for (auto& component : field.c)
-    for (int k = -FluidGrid::ghosts; k < grid.n[2] + 1 + FluidGrid::ghosts; ++k)
-      for (int i = -FluidGrid::ghosts; i < grid.n[0] + 1 + FluidGrid::ghosts; ++i) {
-        const auto value = [&](int j) -> double& { return component[static_cast<std::size_t>(grid.index(i, j, k))]; };
-        const auto image = [&](int j) { return ((j % n) + n) % n; };
-        for (int j = -FluidGrid::ghosts; j < end; ++j)
-          if (j < 0 || j >= n) value(image(j)) += value(j);
-        for (int j = -FluidGrid::ghosts; j < end; ++j)
-          if (j < 0 || j >= n) value(j) = fill ? value(image(j)) : 0.0;
+    for (int k = -FluidGrid::ghosts; k < grid.n[2] + 1 + FluidGrid::ghosts; ++k) {
+      const auto row = [&](int j) { return component.data() + grid.index(-FluidGrid::ghosts, j, k); };
+      for (int j = -FluidGrid::ghosts; j < end; ++j) {
+        if (j >= 0 && j < n) continue;
+        double* from = row(j);
+        double* to = row(image(j));
+        for (int i = 0; i < grid.padded(0); ++i) to[i] += from[i];
       }
+      for (int j = -FluidGrid::ghosts; j < end; ++j) {
+        if (j >= 0 && j < n) continue;
+        if (fill) std::copy_n(row(image(j)), grid.padded(0), row(j));
+        else std::fill_n(row(j), grid.padded(0), 0.0);
+      }
+    }
 }
 
 SlabFlow::SlabFlow(const SlabSetup& setup, const SlabTissue& tissue, const std::vector<double>& held_points)
     : tissue_(tissue),
       setup_(setup),
       fluid_(setup.grid, periodic_in_y(setup.boundary), make_tube_wall(setup.grid, {}), setup.density, setup.viscosity),
-      solid_(tissue.mesh, {setup.material}),
       coupling_(Transfer(setup.grid, fluid_.wall(), setup.kernel), setup.density),
       flow_(fluid_.make_state()),
       force_density_(setup.grid),
       scratch_(setup.grid),
       rest_(tissue.mesh.points) {
+  if (!tissue.mesh.tets.empty()) solid_.emplace(tissue.mesh, std::vector<Material>{setup.material});
   rest_.insert(rest_.end(), held_points.begin(), held_points.end());
   x_ = rest_;
   v_.assign(x_.size(), 0.0);
@@ -48,7 +59,7 @@ SlabFlow::SlabFlow(const SlabSetup& setup, const SlabTissue& tissue, const std::
   is_still_ = tissue.is_held;
   is_still_.resize(count, 1);
   std::vector<char> holds = is_still_;
-  volumes_ = solid_.node_volumes();
+  if (solid_) volumes_ = solid_->node_volumes();
   volumes_.resize(count, 0.0);
   for (int i = 0; i < tissue_.node_count(); ++i)
     if (tissue_.is_copy(i)) {
@@ -70,13 +81,14 @@ void SlabFlow::set_contact(const ContactOptions& options, const std::optional<Fi
 }
 
 void SlabFlow::update_relaxation() {
-  std::vector<double> element_steps(static_cast<std::size_t>(solid_.element_count()));
-  solid_.critical_step(leaflet(x_), element_steps);
+  std::vector<double> element_steps(static_cast<std::size_t>(solid_->element_count()));
+  solid_->critical_step(leaflet(x_), element_steps);
   relax_steps_.assign(is_still_.size(), 1e300);
+  const std::size_t nodes_per_tet = static_cast<std::size_t>(tissue_.mesh.nodes_per_tet);
   for (std::size_t q = 0; q < tissue_.mesh.tets.size(); ++q) {
     const int node = tissue_.repeats[static_cast<std::size_t>(tissue_.mesh.tets[q])];
     double& step = relax_steps_[static_cast<std::size_t>(node)];
-    step = std::min(step, element_steps[q / 4]);
+    step = std::min(step, element_steps[q / nodes_per_tet]);
   }
   for (double& step : relax_steps_)
     if (step > 1e200) step = 0;
@@ -103,9 +115,9 @@ void SlabFlow::relax_and_drain(const CoupledNodes& nodes, double dt, double pres
   std::vector<double> unseen = find_unseen(forces_);
   if (drainage_) {
     if (step_ % gaps_every == 0) drainage_->find_gaps(leaflet(x_), film_gaps_);
-    tissue_.share_with_copies(solid_.node_volumes(), unseen);
+    tissue_.share_with_copies(solid_->node_volumes(), unseen);
     std::vector<double> forces_shared = forces_;
-    tissue_.share_with_copies(solid_.node_volumes(), forces_shared);
+    tissue_.share_with_copies(solid_->node_volumes(), forces_shared);
     drainage_->press(leaflet(x_), film_gaps_, flow_.pressure, pressure, leaflet(forces_shared), unseen);
   }
   if (setup_.relaxation != Relaxation::none) {
@@ -120,7 +132,7 @@ void SlabFlow::relax_and_drain(const CoupledNodes& nodes, double dt, double pres
 void SlabFlow::advance(double dt, double pressure) {
   x_before_ = x_;
   std::fill(forces_.begin(), forces_.end(), 0.0);
-  solid_.forces(leaflet(x_), leaflet(forces_));
+  if (solid_) solid_->forces(leaflet(x_), leaflet(forces_));
   if (contact_) contact_->evaluate(leaflet(x_), leaflet(v_), dt, leaflet(forces_));
   tissue_.gather_copies(forces_);
 
@@ -129,7 +141,8 @@ void SlabFlow::advance(double dt, double pressure) {
   force_density_.set_zero();
   coupling_.hand_over(forces_, force_density_);
   if (setup_.relaxation != Relaxation::none || drainage_) relax_and_drain(nodes, dt, pressure);
-  coupling_.hold(holding_, flow_.velocity, dt, force_density_);
+  // Both gains of hold() go with the inverse of the step it is told.
+  coupling_.hold(holding_, flow_.velocity, setup_.grid.n[1] < thin_slab ? thin_slab_mobility * dt : dt, force_density_);
   fold_periodic_y(setup_.grid, force_density_, false);
   fluid_.advance(flow_, force_density_, dt, {{{0, 0}, {0, 0}, {pressure, 0}}});
   coupling_.move(nodes, flow_.velocity, dt);
@@ -137,6 +150,22 @@ void SlabFlow::advance(double dt, double pressure) {
     if (!is_still_[a / 3]) v_[a] = (x_[a] - x_before_[a]) / dt;
   tissue_.follow_first_plane(x_, v_);
   ++step_;
+}
+
+Vec3 SlabFlow::force_on_blood() const {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < is_still_.size(); ++i)
+    if (!is_still_[i]) sum += Vec3::Map(forces_.data() + 3 * i);
+  const std::span<const double> held = coupling_.held_forces();
+  for (std::size_t a = 0; a < held.size(); a += 3) sum += Vec3::Map(held.data() + a);
+  return sum;
+}
+
+Vec3 SlabFlow::tissue_momentum() const {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < is_still_.size(); ++i)
+    if (!is_still_[i]) sum += setup_.material.density * volumes_[i] * Vec3::Map(v_.data() + 3 * i);
+  return sum;
 }
 
 std::vector<double> SlabFlow::contact_forces() {

@@ -34,15 +34,25 @@ struct SlabSetup {
 
 class SlabFlow {
  public:
-  /// `held_points`: further nodes without tissue that hold the blood at rest.
+  /// `held_points`: further nodes without tissue that hold the blood at rest. A tissue without elements is allowed.
   SlabFlow(const SlabSetup& setup, const SlabTissue& tissue, const std::vector<double>& held_points);
 
   /// Atrial faces touch each other; with `drainage` the film between them drains.
   void set_contact(const ContactOptions& contact, const std::optional<FilmDrainageOptions>& drainage);
 
+  /// Normal velocities (m/s) at the end of the following steps on a side of kind inflow, as NavierStokes::set_inflow() wants them.
+  void set_inflow(std::size_t axis, std::size_t side, std::span<const double> normal_velocity) {
+    fluid_.set_inflow(axis, side, normal_velocity);
+  }
+
   /// One step as in Simulation::advance. `pressure` (Pa) acts on the lower z side at the new time, every other open side is at
   /// zero.
   void advance(double dt, double pressure);
+
+  /// All forces (N) of the last step on the blood: of the moving tissue and of what is held.
+  Vec3 force_on_blood() const;
+  /// Momentum (kg m/s) of the moving tissue.
+  Vec3 tissue_momentum() const;
 
   /// Contact at the present positions without moving its history; nodal forces (N) of contact alone, copies included.
   std::vector<double> contact_forces();
@@ -51,7 +61,7 @@ class SlabFlow {
   std::vector<double> pressure_of(std::vector<double> forces);
 
   /// Of the tissue at the last step.
-  const SolidStatistics& statistics() const { return solid_.statistics(); }
+  const SolidStatistics& statistics() const { return solid_->statistics(); }
   const std::vector<double>& x() const { return x_; }
   const std::vector<double>& v() const { return v_; }
   const FlowState& flow() const { return flow_; }
@@ -70,7 +80,7 @@ class SlabFlow {
   SlabTissue tissue_;
   SlabSetup setup_;
   NavierStokes fluid_;
-  LeafletSolid solid_;
+  std::optional<LeafletSolid> solid_;  // none when the tissue has no elements
   Coupling coupling_;
   ContactSurface surface_;
   std::unique_ptr<SelfContact> contact_;

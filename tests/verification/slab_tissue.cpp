@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "geometry/core/case.h"
 
@@ -44,6 +45,59 @@ Plate SlabTissue::add_plate(Range x, int nx, Range z, int nz) {
           mesh.material.push_back(0);
         }
   return plate;
+}
+
+void SlabTissue::make_quadratic() {
+  constexpr std::array<std::array<int, 2>, 6> edges{{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
+  // A node's place in the plane, in units far below any spacing.
+  const auto place_of = [&](int node) {
+    const double* p = mesh.points.data() + 3 * node;
+    return std::pair(std::llround(p[0] / (1e-6 * depth)), std::llround(p[2] / (1e-6 * depth)));
+  };
+  std::map<std::pair<long long, long long>, int> own;
+  for (int i = 0; i < node_count(); ++i)
+    if (!is_copy(i)) own.emplace(place_of(i), i);
+  for (int i = 0; i < node_count(); ++i) repeats[static_cast<std::size_t>(i)] = own.at(place_of(i));
+  std::map<std::pair<int, int>, int> middle_of;
+  const auto middle = [&](int a, int b) {
+    const auto [found, is_new] = middle_of.try_emplace(std::minmax(a, b), node_count());
+    if (!is_new) return found->second;
+    const int node = found->second;
+    for (int axis = 0; axis < 3; ++axis)
+      mesh.points.push_back(0.5 * (mesh.points[static_cast<std::size_t>(3 * a + axis)] + mesh.points[static_cast<std::size_t>(3 * b + axis)]));
+    side.push_back(between);
+    is_held.push_back(static_cast<char>(is_held[static_cast<std::size_t>(a)] && is_held[static_cast<std::size_t>(b)]));
+    repeats.push_back(own.try_emplace(place_of(node), node).first->second);
+    return node;
+  };
+  // The first plane's edges first: their middles are the ones that are repeated.
+  for (std::size_t t = 0; t < mesh.tets.size(); t += 4)
+    for (const auto& [a, b] : edges) {
+      const int first = mesh.tets[t + static_cast<std::size_t>(a)], second = mesh.tets[t + static_cast<std::size_t>(b)];
+      if (!is_copy(first) && !is_copy(second)) middle(first, second);
+    }
+  std::vector<int> quadratic;
+  for (std::size_t t = 0; t < mesh.tets.size(); t += 4) {
+    const int* corner = mesh.tets.data() + t;
+    quadratic.insert(quadratic.end(), corner, corner + 4);
+    for (const auto& [a, b] : edges) quadratic.push_back(middle(corner[a], corner[b]));
+  }
+  mesh.tets = std::move(quadratic);
+  mesh.nodes_per_tet = 10;
+}
+
+int SlabTissue::nearest_node(double x, double z) const {
+  int nearest = -1;
+  double least = 1e300;
+  for (int i = 0; i < node_count(); ++i) {
+    const double* p = mesh.points.data() + 3 * i;
+    const double distance = std::hypot(p[0] - x, p[2] - z);
+    if (!is_copy(i) && distance < least) {
+      least = distance;
+      nearest = i;
+    }
+  }
+  return nearest;
 }
 
 void SlabTissue::gather_copies(std::vector<double>& array) const {

@@ -53,6 +53,11 @@ struct SlabTissue {
   bool is_copy(int node) const { return repeats[static_cast<std::size_t>(node)] != node; }
   /// Appends a box of nx * columns * nz cells, six linear tetrahedra each; sides are `between`, nothing is held.
   Plate add_plate(Range x, int nx, Range z, int nz);
+  /// Turns every linear tetrahedron into a quadratic one with straight edges. All nodes that share x and z repeat one of them: in the plane these are
+  /// six-node triangles. The plates' node() goes on naming corners. Not for drainage (share_with_copies() knows one copy a node).
+  void make_quadratic();
+  /// The node (no copy) nearest to a point of the plane (m).
+  int nearest_node(double x, double z) const;
   /// Adds the copies' entries to the nodes they repeat and sets them to zero. 3 per node; further entries are left alone.
   void gather_copies(std::vector<double>& array) const;
   /// The reverse: shares the entries with the copies by volume (m3, one per node).

@@ -46,8 +46,9 @@ TEST(Kernel, moments_hold_at_every_offset) {
     const auto k = mv::ib4_weights(s);
     EXPECT_NEAR(k.w[0] + k.w[2], 0.5, 1e-14);  // even-odd condition
     double squares4 = 0, squares3 = 0;
-    for (double w : k.w) squares4 += w * w;
-    for (double w : mv::ib3_weights(s).w) squares3 += w * w;
+    for (int i = 0; i < 4; ++i) squares4 += k.w[i] * k.w[i];
+    const auto k3 = mv::ib3_weights(s);
+    for (int i = 0; i < 4; ++i) squares3 += k3.w[i] * k3.w[i];
     EXPECT_NEAR(squares4, 0.375, 1e-13);
     EXPECT_NEAR(squares3, 0.5, 1e-13);
   }

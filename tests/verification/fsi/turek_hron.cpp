@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "verification/fsi/turek_hron.h"
+
+#include <cmath>
+
+namespace mv::test {
+namespace {
+
+constexpr double width = 0.41, length = 2.5, radius = 0.05, centre = 0.2;  // m; the centre has x = z
+constexpr double plate_thickness = 0.02, plate_end = 0.6;                   // m
+constexpr double density = 1000, viscosity = 1.0;                           // kg/m3, Pa s
+constexpr double poisson_ratio = 0.4;
+constexpr double rise = 2.0;            // s, of the inflow
+constexpr double point_spacing = 1.5;   // cells, of the ring (cylinder_test.cpp)
+
+}  // namespace
+
+TurekHron::TurekHron(const TurekHronSpec& spec) : spec_(spec) {
+  SlabSetup setup = channel_setup(width, length, spec.cells, density, viscosity);
+  const double h = setup.grid.h;
+  setup.kernel = spec.kernel;
+  setup.relaxation = spec.relaxation;
+  const double mu = spec.shear_modulus * (spec.modulus == PlateModulus::matched ? 0.5 / (1 - poisson_ratio) : 1.0);
+  setup.material.law = Law::neo_hookean;
+  setup.material.neo_mu = mu;
+  setup.material.bulk = 2 * mu * (1 + poisson_ratio) / (3 * (1 - 2 * poisson_ratio));
+  setup.material.density = density;
+  setup.material.distortion_factor = 0;
+
+  SlabTissue tissue;
+  tissue.depth = h;
+  tissue.columns = 1;
+  const double start = centre + std::sqrt(radius * radius - 0.25 * plate_thickness * plate_thickness);
+  // Quadratic elements about a spacing wide: nodes half a spacing apart.
+  const int nx = 2 * std::max(1, static_cast<int>(std::lround(0.5 * plate_thickness / h)));
+  const int nz = static_cast<int>(std::ceil((plate_end - start) / h));
+  const Plate plate = tissue.add_plate({centre - 0.5 * plate_thickness, centre + 0.5 * plate_thickness}, nx, {start, plate_end}, nz);
+  for (int j = 0; j <= plate.columns; ++j)
+    for (int i = 0; i <= plate.nx; ++i) tissue.is_held[static_cast<std::size_t>(plate.node(i, j, 0))] = 1;
+  tissue.make_quadratic();
+  tip_ = tissue.nearest_node(centre, plate_end);
+  tip_rest_.assign(tissue.mesh.points.begin() + 3 * tip_, tissue.mesh.points.begin() + 3 * tip_ + 3);
+
+  flow_ = std::make_unique<SlabFlow>(setup, tissue, disc_points(centre, centre, radius, point_spacing * h, h, 1));
+  profile_ = parabola(setup.grid, 6 * spec.mean_velocity / (width * width));
+}
+
+TurekHronSample TurekHron::advance(double interval) {
+  const int steps = std::max(1, static_cast<int>(std::lround(interval / spec_.dt)));
+  const double depth = flow_->fluid().grid().h;
+  const Vec3 momentum = flow_->tissue_momentum();
+  Vec3 force = Vec3::Zero();
+  for (int s = 0; s < steps; ++s) {
+    const double time = static_cast<double>(++step_) * spec_.dt;
+    const double share = time < rise ? 0.5 * (1 - std::cos(M_PI * time / rise)) : 1.0;
+    inflow_ = profile_;
+    for (double& u : inflow_) u *= share;
+    flow_->set_inflow(2, 0, inflow_);
+    flow_->advance(spec_.dt, 0);
+    force += flow_->force_on_blood();
+  }
+  // Blood around plate and cylinder pushes them by what they do not push the blood inside with, plus the change of the plate's momentum.
+  force = -force / steps + (flow_->tissue_momentum() - momentum) / (steps * spec_.dt);
+  TurekHronSample sample;
+  sample.time = static_cast<double>(step_) * spec_.dt;
+  sample.ux = flow_->x()[static_cast<std::size_t>(3 * tip_ + 2)] - tip_rest_[2];
+  sample.uy = flow_->x()[static_cast<std::size_t>(3 * tip_)] - tip_rest_[0];
+  sample.drag = force[2] / depth;
+  sample.lift = force[0] / depth;
+  return sample;
+}
+
+}  // namespace mv::test

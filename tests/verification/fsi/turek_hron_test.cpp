@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// FSI1 (steady) and FSI3 (oscillating) of Turek & Hron 2006; setting and differences of model in turek_hron.h. Reference of FSI3:
+// Featflow, level 4; other codes spread by the tolerances given with it (solids4foam, verification notes).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+
+#include "verification/fsi/turek_hron.h"
+
+namespace mv::test {
+namespace {
+
+constexpr double mm = 1e-3;
+// Reference: mm, N/m.
+constexpr double fsi1_ux = 0.0227, fsi1_uy = 0.8209, fsi1_drag = 14.295, fsi1_lift = 0.7638;
+
+struct Oscillation {
+  double mean = 0, amplitude = 0, hz = 0;
+};
+// mm, N/m; the lift's and the drag's frequencies are those of uy and ux.
+constexpr Oscillation fsi3_ux{-2.88, 2.72, 10.93}, fsi3_uy{1.47, 34.99, 5.46}, fsi3_drag{460.5, 27.74, 10.93}, fsi3_lift{2.50, 153.91, 5.46};
+
+const char* name_of(PlateModulus modulus) { return modulus == PlateModulus::given ? "printed mu" : "mu of the same bending stiffness"; }
+
+const char* name_of(Kernel kernel) { return kernel == Kernel::ib4 ? "ib4" : kernel == Kernel::ib3 ? "ib3" : "cbs32"; }
+
+/// Runs to `end` (s), where the flow is steady, and prints. The last sample is returned.
+TurekHronSample run_fsi1(const TurekHronSpec& spec, double end) {
+  const OneThread one_thread;
+  TurekHron run(spec);
+  const auto start = std::chrono::steady_clock::now();
+  TurekHronSample before, last;
+  while (last.time < end - spec.dt) {
+    before = last;
+    last = run.advance(0.05 * end);
+  }
+  const SolidStatistics& solid = run.flow().statistics();
+  std::printf("FSI1, %s, %d cells across, %s, %s: uy still changes by %.2e mm/s, J %.4f .. %.4f (%.0f s)\n", name_of(spec.kernel), spec.cells,
+              name_of(spec.modulus), spec.relaxation == Relaxation::none ? "no relaxation" : "relaxed", (last.uy - before.uy) / (mm * (last.time - before.time)),
+              solid.J_min, solid.J_max,
+              std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  print_comparison("ux mm", last.ux / mm, fsi1_ux);
+  print_comparison("uy mm", last.uy / mm, fsi1_uy);
+  print_comparison("drag N/m", last.drag, fsi1_drag);
+  print_comparison("lift N/m", last.lift, fsi1_lift);
+  return last;
+}
+
+/// Mean and amplitude as half sum and half difference of the extremes, frequency from upward crossings of the mean.
+Oscillation analyse(const std::vector<TurekHronSample>& samples, const std::function<double(const TurekHronSample&)>& value) {
+  double low = 1e300, high = -1e300;
+  for (const TurekHronSample& s : samples) {
+    low = std::min(low, value(s));
+    high = std::max(high, value(s));
+  }
+  Oscillation result{0.5 * (low + high), 0.5 * (high - low), 0};
+  double first = 0, last = 0;
+  int crossings = 0;
+  for (std::size_t q = 1; q < samples.size(); ++q) {
+    const double a = value(samples[q - 1]) - result.mean, b = value(samples[q]) - result.mean;
+    if (a >= 0 || b < 0) continue;
+    last = samples[q - 1].time + (samples[q].time - samples[q - 1].time) * a / (a - b);
+    if (crossings++ == 0) first = last;
+  }
+  if (crossings > 1) result.hz = (crossings - 1) / (last - first);
+  return result;
+}
+
+void print_oscillation(const char* what, const Oscillation& computed, const Oscillation& reference) {
+  std::printf("%s\n", what);
+  print_comparison("mean", computed.mean, reference.mean);
+  print_comparison("amplitude", computed.amplitude, reference.amplitude);
+  if (computed.hz > 0) print_comparison("frequency Hz", computed.hz, reference.hz);
+}
+
+struct Fsi3Result {
+  Oscillation ux, uy, drag, lift;
+};
+
+Fsi3Result run_fsi3(const TurekHronSpec& spec, double end) {
+  const OneThread one_thread;
+  TurekHron run(spec);
+  constexpr double interval = 1.5e-3, last_part = 1.0;  // s
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<TurekHronSample> samples;
+  for (double time = 0; time < end;) {
+    const TurekHronSample sample = run.advance(interval);
+    time = sample.time;
+    if (time > end - last_part) samples.push_back(sample);
+  }
+  std::printf("FSI3, %d cells across, %s, last %.1f s of %.1f s (%.0f s)\n", spec.cells, name_of(spec.modulus), last_part, end,
+              std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  Fsi3Result result;
+  result.ux = analyse(samples, [](const TurekHronSample& s) { return s.ux / mm; });
+  result.uy = analyse(samples, [](const TurekHronSample& s) { return s.uy / mm; });
+  result.drag = analyse(samples, [](const TurekHronSample& s) { return s.drag; });
+  result.lift = analyse(samples, [](const TurekHronSample& s) { return s.lift; });
+  print_oscillation("ux mm", result.ux, fsi3_ux);
+  print_oscillation("uy mm", result.uy, fsi3_uy);
+  print_oscillation("drag N/m", {result.drag.mean, result.drag.amplitude, 0}, fsi3_drag);
+  print_oscillation("lift N/m", {result.lift.mean, result.lift.amplitude, 0}, fsi3_lift);
+  std::fflush(stdout);
+  return result;
+}
+
+// The cylinder's and the plate's surfaces are as wide as the kernel: drag is first order, and 18 % too large with the plate two cells
+// thick (refinement below; the cylinder alone is 8 % too large at twelve cells, cylinder_test.cpp). The plate still swings at 2.7 s.
+TEST(TurekHron, coarse_fsi1_drag_is_within_what_first_order_leaves) {
+  const TurekHronSample s = run_fsi1({.cells = 41, .dt = 3e-4}, 2.7);
+  EXPECT_NEAR(s.drag, fsi1_drag, 0.22 * fsi1_drag);
+  EXPECT_LT(std::abs(s.uy), 1.5 * fsi1_uy * mm);
+}
+
+TEST(TurekHron, DISABLED_fsi1_coarse_variants) {
+  run_fsi1({.cells = 41, .dt = 2.5e-4}, 5.0);
+  run_fsi1({.cells = 41, .modulus = PlateModulus::given, .dt = 2.5e-4}, 5.0);
+  run_fsi1({.cells = 41, .kernel = Kernel::cbs32, .dt = 2.5e-4}, 5.0);
+  run_fsi1({.cells = 41, .relaxation = Relaxation::none, .dt = 2.5e-4}, 5.0);
+}
+
+TEST(TurekHron, DISABLED_fsi1) {
+  const TurekHronSample coarse = run_fsi1({.cells = 41, .dt = 2.5e-4}, 5.0);
+  const TurekHronSample fine = run_fsi1({.cells = 82, .dt = 1.2e-4}, 5.0);
+  EXPECT_LT(std::abs(fine.drag - fsi1_drag), 0.7 * std::abs(coarse.drag - fsi1_drag));
+}
+
+TEST(TurekHron, DISABLED_fsi3) {
+  const Fsi3Result r = run_fsi3({.cells = 82, .shear_modulus = 2e6, .mean_velocity = 2.0, .dt = 6e-5}, 6.0);
+  EXPECT_NEAR(r.drag.mean, fsi3_drag.mean, 0.15 * fsi3_drag.mean);
+}
+
+}  // namespace
+}  // namespace mv::test
