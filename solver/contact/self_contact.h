@@ -44,7 +44,7 @@ struct ContactOptions {
   double exclusion_radius_through = 0;  // m, the same for different faces; auto: exclusion_radius, or if that is auto
                                         // too, max(exclusion_radius, 1.5 thickness)
   double averaging_ratio = 0.35;  // R_f over the edge of the equilateral triangle of the facet's reference area
-  double skin = 0;                // m, extra search distance; auto: 0.4 mean edges
+  double skin = 0;                // m, extra search distance; auto: 0.6 mean edges
   int search_every = 0;           // largest number of steps between searches; 0: only when the skin is used up
 };
 
