@@ -233,7 +233,7 @@ void add_combinations(Table& t) {
         one_step + List{"fluid.viscosity=0 Pa s", "leaflet.poisson_ratio=0.48", "contact.friction=0"});
   t.add("cut_300", "300 mmHg, chordae x 10, two cut", pressure(300, 30) + chordae(10) + List{"chordae.cut=[0, 7]", "chordae.cut_time=35 ms"}, whole, Behaviour::rests)
       .geometry = long_atrium;
-  t.refuse("jerk_torn", "chordae x 100 jerked by 10 mm: a hundred times what tears them", chordae(100) + tips("[0 mm, 0 mm, -10 mm]", 35, 0));
+  t.refuse("jerk_torn", "chordae x 100 jerked by 10 mm: beyond what a chorda bears", chordae(100) + tips("[0 mm, 0 mm, -10 mm]", 35, 0));
   t.add("jerk_stiff", "chordae x 3 jerked by 10 mm", chordae(3) + tips("[0 mm, 0 mm, -10 mm]", 35, 0), whole, Behaviour::rests);
   t.add("quadratic_hgo_cbs32_300", "10-node elements, HGO, cbs32, 300 mmHg", law("hgo") + pressure(300, 30) + List{"fluid.kernel=cbs32"}).geometry = quadratic;
   t.add("quadratic_stiff_ib3", "10-node elements, M1 fibres x 100, ib3", m1_fibres(100) + List{"fluid.kernel=ib3"}).geometry = quadratic;

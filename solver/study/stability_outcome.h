@@ -59,6 +59,9 @@ struct Judgement {
 /// `refused` needs a reason. An end other than the declared one is `unexpected`.
 Judgement judge(const StabilityCase& stability_case, const CaseOutcome& outcome);
 
+/// Gate of `mvsolve run` on the solid's volume, which the study does not ask of its coarse grid.
+inline constexpr double run_volume_drift_limit = 0.01;
+
 /// Neither stable nor refused, or not as declared.
 inline bool is_bad(Verdict verdict) { return verdict != Verdict::stable && verdict != Verdict::refused; }
 

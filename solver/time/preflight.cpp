@@ -23,15 +23,15 @@ constexpr double pascal_per_mmHg = 133.322387415;
 constexpr double density_ratio_allowed = 1.25;
 constexpr double pressure_allowed = 500 * pascal_per_mmHg;   // as pressure.peak; more is a wrong unit
 constexpr double steps_allowed = 5e7;                        // some days of the coarsest valve
-// Bytes a run holds, from measured peaks, on the low side: refusing must be certain.
+// Bytes a run holds: what the arrays add up to roughly, on the low side (not measured), since refusing must be certain.
 constexpr double bytes_per_cell = 400, bytes_per_tet = 400;
 // Points must stay this many cells inside the open ends, where kernels need support.
 constexpr double end_cells = 2.0;
 // Without chordae leaflets turn inside out and stretch towards the atrium; held ones bulge, and what lies off the nearest chorda flails.
 constexpr double reach_without_chordae = 1.1, reach_with_chordae = 0.25;
-// Tissue in blood keeps its volume as far as its volumetric stiffness exceeds the pressure: 2 MPa at 16 kPa drifts by 0.8 %, 75 kPa by 23 %.
+// Tissue in blood keeps its volume as far as its volumetric stiffness exceeds the pressure: on a grid of 3 mm 2 MPa at 16 kPa drifts by about 1 %, 75 kPa by 23 %.
 constexpr double bulk_over_pressure = 10;
-constexpr double chorda_stress_allowed = 100e6;   // Pa, three times what tears chordae
+constexpr double chorda_stress_allowed = 100e6;   // Pa, no tissue bears it; the order of magnitude is meant
 constexpr double sudden = 5e-3;                   // s, leaflets do not follow tips that move faster
 
 double poisson_ratio(double bulk, double shear) { return (3 * bulk - 2 * shear) / (6 * bulk + 2 * shear); }
@@ -193,7 +193,7 @@ void check_jerk(const Scene& scene) {
     const double length = (chordae.points[static_cast<std::size_t>(segment.b)] - chordae.points[static_cast<std::size_t>(segment.a)] - moved).norm();
     const double stress = scene.config.number("chordae.stiffness") * (length / segment.rest_length - 1);
     if (stress > chorda_stress_allowed)
-      throw ConfigError(fmt::format("papillary.displacement: the tips' movement within {:.2g} ms pulls chorda {} to {:.0f} MPa, at most {:.0f} MPa is allowed (chordae tear at some 30 MPa); "
+      throw ConfigError(fmt::format("papillary.displacement: the tips' movement within {:.2g} ms pulls chorda {} to {:.0f} MPa, at most {:.0f} MPa is allowed, which no chorda bears; "
                                     "raise papillary.move_time, or lower the displacement or chordae.stiffness",
                                     1e3 * scene.config.number("papillary.move_time"), s, 1e-6 * stress, 1e-6 * chorda_stress_allowed));
   }
