@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/study/case_maker.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
-#include <cstring>
 #include <sstream>
 #include <vector>
 
 #include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
-
-extern char** environ;
+#include "solver/study/timed_process.h"
 
 namespace mv {
 
@@ -24,27 +19,6 @@ namespace fs = std::filesystem;
 namespace {
 
 bool is_program(const fs::path& file) { return fs::is_regular_file(file) && ::access(file.c_str(), X_OK) == 0; }
-
-/// Runs `program` with its output in `log`; returns the exit code, 128 + signal when it was killed.
-int run_program(const fs::path& program, const std::vector<std::string>& arguments, const fs::path& log) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  const std::string name = program.string();
-  std::vector<char*> argv{const_cast<char*>(name.c_str())};
-  for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-  argv.push_back(nullptr);
-  pid_t child = 0;
-  const int failed = posix_spawn(&child, name.c_str(), &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failed) throw IoError(fmt::format("{}: cannot be started: {}", name, std::strerror(failed)));
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) throw IoError(fmt::format("{}: was lost: {}", name, std::strerror(errno)));
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
 
 /// Text of the last error in a log, all its lines in one.
 std::string last_error(const std::string& log) {
@@ -89,7 +63,7 @@ MadeCase CaseMaker::make(const std::string& name, const std::string& toml) {
   write_text_atomically(config, toml);
   MadeCase made;
   made.directory = directory_ / name;
-  made.exit_code = run_program(mvprep_, {"run", "-c", config.string(), "-o", made.directory.string()}, log);
+  made.exit_code = run_timed(mvprep_, {"run", "-c", config.string(), "-o", made.directory.string()}, log).exit_code;
   if (!made.is_made()) {
     made.error = last_error(read_file(log));
     if (made.error.empty()) made.error = fmt::format("mvprep ended with code {}, see {}", made.exit_code, log.string());

@@ -105,6 +105,23 @@ TEST(ContactSurface, areas_and_normals_follow_the_configuration) {
   }
 }
 
+TEST(ContactSurface, faces_at_some_nodes_are_those_of_the_whole_and_leave_the_others_alone) {
+  const TetMesh m = tet_box(5, 4, 2, 2e-3, 2e-3, 1e-3);
+  const auto s = extract_contact_surface(m.x, m.tets, 1, m.side, ContactFaces::both);
+  const auto x = m.mapped([](const Vec3& p) -> Vec3 { return p + 0.3e-3 * Vec3(std::sin(2000 * p[1]), std::sin(3000 * p[2]), std::sin(2500 * p[0])); });
+  std::vector<double> area(s.nodes.size()), some_area(s.nodes.size(), -1);
+  std::vector<Vec3> normals(s.nodes.size()), some(s.nodes.size(), Vec3::Constant(7));
+  current_tributary_areas(s, x, area);
+  current_face_normals(s, x, normals);
+  std::vector<int> which;
+  for (int n = 0; n < s.node_count(); n += 3) which.push_back(n);
+  current_faces_at(s, x, which, some, some_area);
+  for (int n = 0; n < s.node_count(); ++n) {
+    EXPECT_NEAR((some[n] - (n % 3 == 0 ? normals[n] : Vec3::Constant(7))).norm(), 0.0, 1e-14);
+    EXPECT_NEAR(some_area[n], n % 3 == 0 ? area[n] : -1.0, 1e-14 * std::abs(some_area[n]));
+  }
+}
+
 TEST(ContactSurface, refuses_meshes_it_cannot_use) {
   TetMesh m = tet_box(1, 1, 1, 1, 1, 1);
   EXPECT_THROW(extract_contact_surface(m.x, m.tets, 1, {}, ContactFaces::inner), InputError);

@@ -117,6 +117,30 @@ TEST(Transfer, interpolates_linear_fields_exactly) {
   }
 }
 
+TEST(Transfer, moved_points_interpolate_as_if_bound_anew_and_those_that_leave_are_counted) {
+  const auto g = grid();
+  for (Kernel kernel : {Kernel::ib3, Kernel::ib4, Kernel::cbs32}) {
+    mv::Transfer moved(g, mv::make_tube_wall(g, {}), kernel), anew = moved;
+    auto x = points_inside(g, 300);
+    std::vector<int> active(300);
+    std::iota(active.begin(), active.end(), 0);
+    moved.bind(x, active);
+    for (std::size_t a = 0; a < x.size(); ++a) x[a] += 0.7 * g.h * std::sin(static_cast<double>(a));  // into other rows and slabs
+    EXPECT_EQ(moved.move_bound(x), 0);
+    anew.bind(x, active);
+    mv::FaceField u(g);
+    for (auto& c : u.c)
+      for (std::size_t q = 0; q < c.size(); ++q) c[q] = std::cos(0.1 * static_cast<double>(q * q % 1000));
+    std::vector<double> by_move(900), by_bind(900);
+    moved.interpolate(u, by_move);
+    anew.interpolate(u, by_bind);
+    EXPECT_EQ(by_move, by_bind);
+    x[3] = -g.h;
+    x[300] = std::nan("");
+    EXPECT_EQ(moved.move_bound(x), 2);
+  }
+}
+
 TEST(Transfer, spread_does_not_depend_on_the_thread_count) {
   const auto g = grid();
   const auto wall = mv::make_tube_wall(g, {});

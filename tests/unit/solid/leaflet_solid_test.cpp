@@ -232,6 +232,12 @@ TEST(leaflet_solid, directional_stiffness_is_symmetric_and_linear) {
       for (double& c : v) c = samples.normal();
       for (double& c : w) c = samples.normal();
       solid.forces_directional(x, v, Kv);
+      std::vector<double> at_x(x.size(), 0.0), one_sided(x.size());
+      solid.forces(x, at_x);
+      solid.forces_directional(x, at_x, v, one_sided);
+      double error = 0, size = 0;
+      for (std::size_t a = 0; a < x.size(); ++a) error += std::pow(one_sided[a] - Kv[a], 2), size += Kv[a] * Kv[a];
+      EXPECT_LT(std::sqrt(error), 1e-3 * std::sqrt(size)) << "forward difference";
       solid.forces_directional(x, w, Kw);
       EXPECT_NEAR(dot(w, Kv), dot(v, Kw), 1e-6 * norm(v) * norm(Kw)) << name_of(law) << is_quadratic;
       for (double& c : v) c *= 3;
