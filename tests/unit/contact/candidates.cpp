@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/contact/candidates.h"
+#include "solver/contact/near_pairs.h"
 
 #include <gtest/gtest.h>
 
@@ -81,6 +82,57 @@ TEST(CandidateSearch, finds_every_triangle_in_reach_that_could_come_to_face_the_
   EXPECT_GT(expected, 10000);
   EXPECT_LT(listed, 3 * expected);
   EXPECT_GT(left_out, expected / 10);
+}
+
+TEST(NearPairs, keep_all_that_is_seen_until_something_has_moved_too_far) {
+  Crumpled c(1);
+  CandidateSearch search(c.surface, 1.5 * mm, 1.5 * mm);
+  search.update(c.x, 3 * mm, 0.2);
+  const SightLimits limits{0.5 * mm, 0.9 * mm, 0.5};
+  const double skin = 0.2 * mm, turn = 0.3, averaging = 0.2 * mm;
+  const auto heads_of = [&](const std::vector<double>& x) {
+    std::vector<contact::FacetHead> heads;
+    const auto at = [&](int n) { return Vec3(Vec3::Map(x.data() + 3 * c.surface.nodes[n])); };
+    for (const auto& t : c.surface.triangles) {
+      heads.push_back(contact::make_head(at(t[0]), at(t[1]), at(t[2])));
+      heads.back().size += averaging;
+    }
+    return heads;
+  };
+  const auto heads = heads_of(c.x);
+  NearPairs near;
+  near.update(c.surface, search, heads, c.x, limits, skin, turn);
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  long seen = 0, new_in_sight = 0, listed = 0, left_out = 0;
+  const auto sees = [&](const Vec3& p, const contact::FacetHead& head) {
+    const Vec3 d = p - head.centre;
+    const double height = head.n.dot(d), far = head.size + limits.widening * std::abs(height);
+    return height > -limits.depth && height < limits.height && d.squaredNorm() - height * height <= far * far;
+  };
+  for (int trial = 0; trial < 20; ++trial) {
+    auto x = c.x;
+    for (std::size_t a = 0; a < x.size(); a += 3) {
+      const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
+      Vec3::Map(x.data() + a) += 0.499 * skin * direction;
+    }
+    const auto now = heads_of(x);
+    for (int n = 0; n < c.surface.node_count(); ++n) {
+      const auto list = near.triangles_of(n);
+      if (trial == 0) listed += static_cast<long>(list.size());
+      for (int f : search.triangles_of(n)) {
+        const bool is_listed = std::binary_search(list.begin(), list.end(), f);
+        left_out += trial == 0 && !is_listed;
+        if (!((now[f].n - heads[f].n).norm() <= turn) || !sees(Vec3::Map(x.data() + 3 * c.surface.nodes[n]), now[f])) continue;
+        EXPECT_TRUE(is_listed);
+        ++seen;
+        new_in_sight += !sees(c.at(n), heads[f]);
+      }
+    }
+  }
+  EXPECT_GT(seen, 10000);
+  EXPECT_GT(new_in_sight, 500);  // what no list without margins would hold
+  EXPECT_GT(left_out, listed / 4);
 }
 
 TEST(CandidateSearch, closest_point_agrees_with_dense_sampling) {

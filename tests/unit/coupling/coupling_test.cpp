@@ -150,35 +150,37 @@ TEST(Holding, a_held_plane_stops_the_blood_and_carries_the_pressure_difference) 
   EXPECT_NEAR(-carried, pressure * side * side, 0.03 * pressure * side * side);
 }
 
-/// Flow (m3/s) through a channel past a held ring of nodes, packed to half a cell and a cell and a half thick, 5 ms after a pressure was put on.
+/// Flow (m3/s) through a tube past a held ring beside its wall, as an annulus is, 10 ms after a pressure was put on. Most of the kernels there lies outside the
+/// tube: motions that the nodes hardly see are the slowest to be stopped.
 double flow_past_a_ring(double dt) {
   FluidGrid g;
-  g.n = {16, 16, 16};
-  g.h = 2e-3;
-  NavierStokes fluid(g, {}, mv::make_tube_wall(g, {}), 1060.0, 2e-3);
+  g.n = {12, 12, 12};
+  g.h = 4e-3;
+  std::vector<Eigen::Vector2d> wall;
+  for (int q = 0; q < 90; ++q) wall.emplace_back(24e-3 + 17e-3 * std::cos(2 * M_PI * q / 90), 24e-3 + 17e-3 * std::sin(2 * M_PI * q / 90));
+  NavierStokes fluid(g, {}, mv::make_tube_wall(g, wall), 1060.0, 2e-3);
   std::vector<double> x;
-  for (double z : {15e-3, 16e-3, 17e-3})
-    for (double r : {10e-3, 11e-3})
-      for (int q = 0; q < 66; ++q) x.insert(x.end(), {16e-3 + r * std::cos(2 * M_PI * q / 66), 16e-3 + r * std::sin(2 * M_PI * q / 66), z});
+  for (double r : {15e-3, 15.5e-3, 16e-3})
+    for (int q = 0; q < 50; ++q) x.insert(x.end(), {24e-3 + r * std::cos(2 * M_PI * q / 50), 24e-3 + r * std::sin(2 * M_PI * q / 50), 23e-3});
   std::vector<char> is_fixed(x.size() / 3, 1);
   Coupling coupling(Transfer(g, fluid.wall(), Kernel::ib4), 1060.0);
   std::vector<double> holding(3 * static_cast<std::size_t>(coupling.set_held(x, is_fixed)), 0.0);
   mv::FlowState flow = fluid.make_state();
   FaceField force(g);
-  const int steps = static_cast<int>(std::lround(5e-3 / dt));
+  const int steps = static_cast<int>(std::lround(10e-3 / dt));
   for (int step = 0; step < steps; ++step) {
     force.set_zero();
     coupling.hold(holding, flow.velocity, dt, force);
     fluid.advance(flow, force, dt, {{{0, 0}, {0, 0}, {1000, 0}}});
   }
-  return fluid.flow_through_z(flow, 8);
+  return fluid.flow_through_z(flow, 6);
 }
 
 TEST(Holding, what_a_held_ring_lets_pass_does_not_depend_on_the_step) {
   const double coarse = flow_past_a_ring(50e-6), middle = flow_past_a_ring(25e-6), fine = flow_past_a_ring(12.5e-6);
   std::printf("flow %.4g, %.4g, %.4g ml/s at 50, 25, 12.5 us\n", 1e6 * coarse, 1e6 * middle, 1e6 * fine);
   EXPECT_NEAR(middle, fine, 0.01 * fine);
-  EXPECT_NEAR(coarse, fine, 0.02 * fine);
+  EXPECT_NEAR(coarse, fine, 0.01 * fine);
 }
 
 TEST(Motion, nodes_that_turn_with_the_blood_keep_their_distance) {
