@@ -6,6 +6,7 @@
 #include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
 #include "geometry/core/version.h"
+#include "pipeline/input_files.h"
 
 namespace mv {
 namespace {
@@ -26,25 +27,45 @@ void make_directory(const std::filesystem::path& directory) {
   }
 }
 
+/// A file or folder that a key names.
+struct NamedInput {
+  std::string key, label, source, hash;
+  Input input;
+};
+
+/// Reads everything before anything is written, so that a case may be set up from its own copies.
+std::vector<NamedInput> read_inputs(const Config& config, const std::filesystem::path& origin) {
+  std::vector<NamedInput> inputs;
+  for (const ConfigKey& key : config_schema()) {
+    if (key.type != "path" && key.type != "paths") continue;
+    const bool is_list = key.type == "paths";
+    const auto sources = is_list ? config.texts(key.name) : std::vector<std::string>{config.text(key.name)};
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+      const std::string& source = sources[i];
+      if (source.empty()) continue;
+      const std::string label = is_list ? key.name + "." + std::to_string(i + 1) : key.name;
+      const auto path = config.base_directory() / source;
+      try {
+        inputs.push_back({key.name, label, source, sha256_of_input(path), read_input(label, path)});
+      } catch (const IoError& e) {
+        throw IoError(origin.string() + ": key '" + key.name + "' = \"" + source + "\": " + e.what());
+      }
+    }
+  }
+  return inputs;
+}
+
+std::string list_text(const std::vector<std::string>& texts) {
+  std::string list;
+  for (const std::string& text : texts) list += (list.empty() ? "" : ", ") + quoted(text);
+  return "[" + list + "]";
+}
+
 }  // namespace
 
 Config set_up_case(const Config& config, const std::filesystem::path& origin, const std::filesystem::path& case_directory,
                    std::map<std::string, std::string>& inputs) {
-  struct Copy {
-    std::string key, name, text, hash, source;
-  };
-  std::vector<Copy> copies;
-  for (const ConfigKey& key : config_schema()) {
-    if (key.type != "path" || config.text(key.name).empty()) continue;
-    const auto source = config.path(key.name);
-    std::string text;
-    try {
-      text = read_file(source);
-    } catch (const IoError& e) {
-      throw IoError(origin.string() + ": key '" + key.name + "' = \"" + config.text(key.name) + "\": " + e.what());
-    }
-    copies.push_back({key.name, "inputs/" + key.name + source.extension().string(), text, sha256(text), config.text(key.name)});
-  }
+  const std::vector<NamedInput> copies = read_inputs(config, origin);
   const std::string origin_hash = std::filesystem::exists(origin) ? sha256_of_file(origin) : "";
 
   make_directory(case_directory);
@@ -55,13 +76,21 @@ Config set_up_case(const Config& config, const std::filesystem::path& origin, co
   std::string provenance = "\n[provenance]\nprogram = " + quoted("mvprep " + version()) +
                            "\nrevision = " + quoted(git_revision()) + "\nconfig = " + quoted(origin.filename().string()) +
                            "\nconfig_sha256 = " + quoted(origin_hash) + "\n";
-  for (const Copy& copy : copies) {
-    write_text_atomically(case_directory / copy.name, copy.text);
-    resolved.set(copy.key + "=" + copy.name);
-    inputs[copy.name] = copy.hash;
-    provenance += "\n[provenance.inputs." + quoted(copy.key) + "]\nsource = " + quoted(copy.source) +
+  std::map<std::string, std::vector<std::string>> lists;
+  for (const NamedInput& copy : copies) {
+    if (copy.input.files.front().name != copy.input.name) make_directory(case_directory / copy.input.name);
+    for (const InputFile& file : copy.input.files) {
+      write_text_atomically(case_directory / file.name, file.text);
+      inputs[file.name] = sha256(file.text);
+    }
+    if (config_key(copy.key).type == "path")
+      resolved.set(copy.key + "=" + copy.input.name);
+    else
+      lists[copy.key].push_back(copy.input.name);
+    provenance += "\n[provenance.inputs." + quoted(copy.label) + "]\nsource = " + quoted(copy.source) +
                   "\nsha256 = " + quoted(copy.hash) + "\n";
   }
+  for (const auto& [key, names] : lists) resolved.set(key + "=" + list_text(names));
   resolved.set_base_directory(std::filesystem::absolute(case_directory));
   write_text_atomically(case_directory / "case.toml",
                         "format_version = " + std::to_string(case_format_version) + "\n\n" + resolved.to_toml() + provenance);

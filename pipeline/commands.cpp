@@ -82,12 +82,17 @@ void run_command(const RunOptions& options) {
   print("case             " + options.case_directory.string() + "\n");
 }
 
-void source_command(const std::string& stage, const RunOptions& options) {
-  const Config config = configured(options);
+void source_command(const std::string& kind, const RunOptions& options) {
+  Config config = configured(options);
+  if (config.was_given("source.kind") && config.text("source.kind") != kind) {
+    throw UsageError("the configuration asks for source.kind = \"" + config.text("source.kind") + "\": use `mvprep " +
+                     config.text("source.kind") + "`, or `mvprep run` for all stages");
+  }
+  config.set("source.kind=" + kind);
   Manifest manifest = read_manifest(options.case_directory);
   const Config resolved = set_up_case(config, options.config, options.case_directory, manifest.inputs);
   write_manifest(options.case_directory, manifest, resolved);
-  warn_out_of_date(run_one_stage(stage, resolved, options.case_directory, print_stage), options.case_directory);
+  warn_out_of_date(run_one_stage("source", resolved, options.case_directory, print_stage), options.case_directory);
 }
 
 void stage_command(const std::string& stage, const std::filesystem::path& case_directory,

@@ -20,8 +20,9 @@ struct RunOptions {
 /// `mvprep run`: all stages.
 void run_command(const RunOptions& options);
 
-/// `mvprep generic`: starts a case with its geometry source only.
-void source_command(const std::string& stage, const RunOptions& options);
+/// `mvprep generic`, `mvprep labels` and so on: starts a case with its geometry source only. Throws UsageError when the
+/// configuration asks for another kind.
+void source_command(const std::string& kind, const RunOptions& options);
 
 /// `mvprep annulus|mesh|chordae|fibers|tube CASE`: one stage again, on what is there.
 void stage_command(const std::string& stage, const std::filesystem::path& case_directory,

@@ -7,6 +7,7 @@
 #include "pipeline/commands.h"
 #include "pipeline/exit_status.h"
 #include "pipeline/interrupt.h"
+#include "pipeline/source_stage.h"
 #include "pipeline/stage_table.h"
 
 namespace {
@@ -48,9 +49,11 @@ void run(int argc, char** argv) {
   all->add_option("--from", options.from, "Run this stage and all later ones even if unchanged")->type_name("STAGE");
   all->callback([&] { start_log(), mv::run_command(options); });
 
-  CLI::App* generic = app.add_subcommand("generic", "Stage: " + mv::find_stage("generic").help);
-  add_config_and_case(*generic, options);
-  generic->callback([&] { start_log(), mv::source_command("generic", options); });
+  for (const mv::SourceKind& kind : mv::source_kinds()) {
+    CLI::App* source = app.add_subcommand(kind.name, "Stage source, begins a case: " + kind.help);
+    add_config_and_case(*source, options);
+    source->callback([&] { start_log(), mv::source_command(kind.name, options); });
+  }
 
   for (const char* name : {"annulus", "mesh", "chordae", "fibers", "tube"}) {
     CLI::App* stage = app.add_subcommand(name, "Stage, again on what is there: " + mv::find_stage(name).help);

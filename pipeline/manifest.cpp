@@ -8,6 +8,7 @@
 #include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
 #include "geometry/core/version.h"
+#include "pipeline/input_files.h"
 #include "pipeline/stage_table.h"
 
 namespace mv {
@@ -88,8 +89,8 @@ void write_manifest(const std::filesystem::path& case_directory, const Manifest&
 std::string stage_key(const Stage& stage, const Config& config, const Manifest& manifest) {
   std::string text = stage.name + "\n" + build_identity() + "\n" + config.fingerprint(stage.config_keys);
   for (const ConfigKey& key : config_schema()) {
-    if (key.type != "path" || !is_under(key.name, stage.config_keys) || config.text(key.name).empty()) continue;
-    text += key.name + " " + sha256_of_file(config.path(key.name)) + "\n";
+    if ((key.type != "path" && key.type != "paths") || !is_under(key.name, stage.config_keys)) continue;
+    for (const auto& path : config.paths(key.name)) text += key.name + " " + sha256_of_input(path) + "\n";
   }
   for (const std::string& need : stage.needs) {
     const auto record = manifest.stages.find(need);

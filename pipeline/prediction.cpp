@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "pipeline/annulus_stage.h"
-#include "pipeline/generic_stage.h"
 #include "pipeline/mesh_stage.h"
+#include "pipeline/source_stage.h"
 #include "pipeline/tube_stage.h"
 
 namespace mv {
@@ -65,7 +65,7 @@ Prediction predict_run(const Config& config, const CaseSize& size) {
 }
 
 CaseSize measure_case(const Config& config) {
-  const SourceGeometry source = make_generic_source(config);
+  const SourceGeometry source = make_source(config);
   const LeafletMesh mesh = make_mesh(config, source);
   const Annulus annulus = make_annulus(source, source.papillary);
   CaseSize size;

@@ -4,6 +4,7 @@
 // mid_surface.vtp: what a geometry source hands to the later stages.
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -17,10 +18,12 @@ struct SourceGeometry {
   Vec3 anterior_direction = Vec3::UnitY();  // unit, in the annulus plane
   double scale = 1;                         // lengths of the pattern over those of the configuration
   Papillary papillary;                      // written to papillary.vtp
-  std::string summary;                      // one line for the user; not written
+  std::string summary;                      // one line for the user
+  std::vector<std::string> notes;           // what was repaired, guessed or odd, for the log and the reader of source.json
+  nlohmann::ordered_json measures = nlohmann::ordered_json::object();  // named numbers with units in their names: source.json
 };
 
-/// Everything but papillary and summary. Throws IoError.
+/// Everything but papillary, summary, notes and measures. Throws IoError.
 void write_source(const std::filesystem::path& file, const SourceGeometry& source);
 /// Throws IoError, InputError naming file and array.
 SourceGeometry read_source(const std::filesystem::path& file);

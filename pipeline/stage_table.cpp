@@ -8,8 +8,8 @@
 #include "pipeline/chordae_stage.h"
 #include "pipeline/fibers_stage.h"
 #include "pipeline/gates_stage.h"
-#include "pipeline/generic_stage.h"
 #include "pipeline/mesh_stage.h"
+#include "pipeline/source_stage.h"
 #include "pipeline/tube_stage.h"
 
 namespace mv {
@@ -17,20 +17,20 @@ namespace mv {
 const std::vector<Stage>& stage_table() {
   // clang-format off
   static const std::vector<Stage> table = {
-      {"generic", "mid-surface of the generic valve on an elliptic or a measured annulus, papillary tips",
-       {"generic", "mesh.spacing"}, {}, {"mid_surface.vtp", "papillary.vtp"}, run_generic_stage},
+      {"source", "mid-surface of the leaflets and papillary tips, from what source.kind names",
+       {"source", "generic", "mesh.spacing"}, {}, {"mid_surface.vtp", "papillary.vtp", "source.json"}, run_source_stage},
       {"annulus", "annulus plane and its direction",
-       {}, {"generic"}, {"annulus.vtp"}, run_annulus_stage},
+       {}, {"source"}, {"annulus.vtp"}, run_annulus_stage},
       {"mesh", "layers of tetrahedra",
-       {"mesh"}, {"generic"}, {"leaflets.vtu"}, run_mesh_stage},
+       {"mesh"}, {"source"}, {"leaflets.vtu"}, run_mesh_stage},
       {"chordae", "chordae with their insertions",
-       {"chordae"}, {"generic", "annulus", "mesh"}, {"chordae.vtp"}, run_chordae_stage},
+       {"chordae"}, {"source", "annulus", "mesh"}, {"chordae.vtp"}, run_chordae_stage},
       {"fibers", "collagen directions",
        {"fibers"}, {"annulus", "mesh"}, {"leaflets.vtu"}, run_fibers_stage},
       {"tube", "blood tube and fluid grid",
-       {"tube"}, {"generic", "annulus", "mesh"}, {"tube.vtu"}, run_tube_stage},
+       {"tube"}, {"source", "annulus", "mesh"}, {"tube.vtu"}, run_tube_stage},
       {"gates", "checks of everything",
-       {"gates", "mesh.layers", "fibers.model", "fluid.enabled", "tube.spacing", "tube.contain_tips"}, {"generic", "annulus", "mesh", "chordae", "fibers", "tube"},
+       {"gates", "mesh.layers", "fibers.model", "fluid.enabled", "tube.spacing", "tube.contain_tips"}, {"source", "annulus", "mesh", "chordae", "fibers", "tube"},
        {"quality.json"}, run_gates_stage},
   };
   // clang-format on

@@ -280,6 +280,15 @@ std::filesystem::path Config::path(const std::string& key) const {
   return value.empty() ? std::filesystem::path() : base_directory_ / value;
 }
 
+std::vector<std::filesystem::path> Config::paths(const std::string& key) const {
+  const bool is_list = config_key(key).type == "paths";
+  std::vector<std::filesystem::path> all;
+  for (const std::string& value : is_list ? texts(key) : std::vector<std::string>{text(key)}) {
+    if (!value.empty()) all.push_back(base_directory_ / value);
+  }
+  return all;
+}
+
 bool Config::was_given(const std::string& key) const {
   const auto found = given_.find(key);
   if (found == given_.end()) throw std::logic_error("the schema has no key '" + key + "'");

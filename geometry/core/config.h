@@ -22,7 +22,7 @@ using ConfigValue = std::variant<bool, long, double, std::string, std::vector<do
 
 struct ConfigKey {
   std::string name;  // dotted, e.g. "mesh.spacing"
-  std::string type;  // "bool" "integer" "number" "string" "choice" "path" "numbers" "integers" "strings"
+  std::string type;  // "bool" "integer" "number" "string" "choice" "path" "numbers" "integers" "strings" "paths"
   Dimension dimension = Dimension::none;
   std::string unit;           // unit in which the value is written back, e.g. "mm"
   ConfigValue default_value;  // NaN or an empty list stands for "auto"
@@ -73,6 +73,8 @@ class Config {
   bool was_given(const std::string& key) const;  // false when the default stands
   /// Value of a "path" key, relative ones taken from base_directory(); empty when the key is empty.
   std::filesystem::path path(const std::string& key) const;
+  /// Values of a "path" or "paths" key, in order, without empty ones.
+  std::vector<std::filesystem::path> paths(const std::string& key) const;
 
   /// The resolved configuration as TOML, every default written out with its unit, in schema order; `commented` adds the docs.
   /// Reading it back gives bit-identical values.

@@ -30,6 +30,8 @@ const Row rows[] = {
     // clang-format off
     {"case.name", "text", "generic", "", "name shown in the report"},
 
+    {"source.kind", "choice generic|labels|curves|surface|deck", "generic", "", "where the leaflets come from: the generic valve (on an ellipse or a measured annulus), a label map, slices or curves, a surface, an Abaqus deck"},
+
     {"generic.axis_major", "length", "38 mm", "5 mm .. 200 mm", "long diameter of the elliptic annulus, between the commissures (x)"},
     {"generic.axis_minor", "length", "30 mm", "5 mm .. 200 mm", "short diameter of the elliptic annulus, anterior to posterior (y)"},
     {"generic.saddle_height", "length", "0 mm", "0 mm .. 50 mm", "height of the saddle from its lowest to its highest point"},
@@ -202,7 +204,7 @@ void read_type(const Row& row, ConfigKey& key) {
   else if (type == "text")
     key.type = is_list ? "strings" : "string";
   else if (type == "path")
-    key.type = "path";
+    key.type = is_list ? "paths" : "path";
   else {
     key.type = is_list ? "numbers" : "number";
     key.dimension = dimension_of(type);

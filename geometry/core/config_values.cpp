@@ -14,7 +14,8 @@ namespace {
 constexpr double automatic = std::numeric_limits<double>::quiet_NaN();
 using Kind = RawValue::Kind;
 
-bool is_list_type(const ConfigKey& key) { return key.type == "numbers" || key.type == "integers" || key.type == "strings"; }
+bool holds_texts(const ConfigKey& key) { return key.type == "strings" || key.type == "paths"; }
+bool is_list_type(const ConfigKey& key) { return key.type == "numbers" || key.type == "integers" || holds_texts(key); }
 
 std::string in_unit(const ConfigKey& key, double si) {
   ConfigKey single = key;
@@ -32,6 +33,7 @@ std::string expected(const ConfigKey& key) {
   if (key.type == "integers") return "a list of " + times + "whole numbers" + range_text(key) + ", such as [0, 3]" + with_auto;
   if (key.type == "string") return "a text in quotes";
   if (key.type == "path") return "a path in quotes";
+  if (key.type == "paths") return "a list of " + times + "paths, such as [\"a.csv\", \"b.csv\"]";
   if (key.type == "strings") return "a list of " + times + "texts, such as [\"a\", \"b\"]";
   if (key.type == "choice") {
     std::string list;
@@ -121,10 +123,10 @@ std::string range_text(const ConfigKey& key) {
 ConfigValue checked_value(const ConfigKey& key, const RawValue& raw, const std::string& where) {
   if (is_list_type(key)) {
     if (key.can_be_auto && asks_for_auto(raw))
-      return key.type == "strings" ? ConfigValue(std::vector<std::string>{}) : ConfigValue(std::vector<double>{});
+      return holds_texts(key) ? ConfigValue(std::vector<std::string>{}) : ConfigValue(std::vector<double>{});
     if (raw.kind != Kind::list) refuse(key, raw, where, "");
     if (key.count && raw.list.size() != key.count) refuse(key, raw, where, std::to_string(raw.list.size()) + " values");
-    if (key.type == "strings") {
+    if (holds_texts(key)) {
       std::vector<std::string> texts;
       for (const RawValue& item : raw.list) {
         if (item.kind != Kind::text) refuse(key, raw, where, "");

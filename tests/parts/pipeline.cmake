@@ -1,7 +1,7 @@
 if(TARGET mv_pipeline)
   find_package(nlohmann_json REQUIRED)
   mv_add_test(unit_pipeline
-    SOURCES unit/pipeline/manifest_test.cpp unit/pipeline/case_directory_test.cpp unit/pipeline/runner_test.cpp unit/pipeline/prediction_test.cpp
+    SOURCES unit/pipeline/manifest_test.cpp unit/pipeline/input_files_test.cpp unit/pipeline/case_directory_test.cpp unit/pipeline/runner_test.cpp unit/pipeline/prediction_test.cpp
             unit/pipeline/source_file_test.cpp
     LIBRARIES mv_pipeline)
   mv_add_test(system_mvprep SOURCES system/mvprep_test.cpp LIBRARIES mv_core nlohmann_json::nlohmann_json LABEL system)

@@ -87,7 +87,7 @@ TEST(Mvprep, run_makes_a_complete_case_and_a_second_run_skips_everything) {
   const auto config = coarse_config(dir);
   const auto first = mvprep({"run", "-c", config, "-o", dir / "case"}, dir);
   ASSERT_EQ(first.code, 0) << first.err;
-  for (const char* stage : {"generic", "annulus", "mesh", "chordae", "fibers", "tube", "gates"})
+  for (const char* stage : {"source", "annulus", "mesh", "chordae", "fibers", "tube", "gates"})
     EXPECT_TRUE(holds(first.out, stage)) << stage;
   EXPECT_EQ(count(first.out, " s   "), 7) << first.out;
   std::map<std::string, std::string> hashes;
@@ -290,7 +290,7 @@ TEST(Mvprep, exit_130_when_interrupted_and_the_next_run_goes_on) {
   const TemporaryDirectory dir;
   const auto config = coarse_config(dir);
   const pid_t child = start({"run", "-c", config, "-o", dir / "case"}, dir);
-  while (!std::filesystem::exists(dir / "stdout") || !holds(mv::read_file(dir / "stdout"), "generic")) usleep(1000);
+  while (!std::filesystem::exists(dir / "stdout") || !holds(mv::read_file(dir / "stdout"), "source")) usleep(1000);
   kill(child, SIGINT);
   const auto outcome = finish(child, dir);
   EXPECT_EQ(outcome.code, 130) << outcome.out << outcome.err;

@@ -49,7 +49,7 @@ TEST(StageTable, needs_come_before_and_names_are_unique) {
     EXPECT_EQ(std::find(seen.begin(), seen.end(), stage.name), seen.end());
     seen.push_back(stage.name);
   }
-  EXPECT_EQ(seen, (Names{"generic", "annulus", "mesh", "chordae", "fibers", "tube", "gates"}));
+  EXPECT_EQ(seen, (Names{"source", "annulus", "mesh", "chordae", "fibers", "tube", "gates"}));
   EXPECT_EQ(mv::stages_after("chordae"), Names{"gates"});
   EXPECT_EQ(mv::stages_after("mesh"), (Names{"chordae", "fibers", "tube", "gates"}));
   EXPECT_TRUE(mv::stages_after("gates").empty());
@@ -64,7 +64,7 @@ TEST(StageTable, needs_come_before_and_names_are_unique) {
 TEST(StageTable, every_geometry_key_decides_some_stage) {
   for (const mv::ConfigKey& key : mv::config_schema()) {
     const std::string section = key.name.substr(0, key.name.find('.'));
-    if (section != "generic" && section != "mesh" && section != "chordae" && section != "fibers" && section != "tube" &&
+    if (section != "source" && section != "generic" && section != "mesh" && section != "chordae" && section != "fibers" && section != "tube" &&
         section != "gates")
       continue;
     bool is_covered = false;
@@ -121,7 +121,7 @@ TEST(Manifest, finished_stages_are_up_to_date_until_their_keys_change) {
   EXPECT_EQ(stale(config, manifest, dir), (Names{"fibers", "gates"}));
   config.set("fibers.model=arc");
   config.set("mesh.spacing=0.6 mm");
-  EXPECT_EQ(stale(config, manifest, dir), (Names{"generic", "mesh"}));
+  EXPECT_EQ(stale(config, manifest, dir), (Names{"source", "mesh"}));
 }
 
 TEST(Manifest, another_result_upstream_makes_a_stage_stale) {
@@ -150,7 +150,7 @@ TEST(Manifest, the_content_of_a_named_file_counts_and_its_place_in_the_text_does
   mv::Config config;
   config.set_base_directory(dir.path());
   config.set("generic.annulus=a.csv");
-  const mv::Stage& stage = mv::find_stage("generic");
+  const mv::Stage& stage = mv::find_stage("source");
   const std::string key = mv::stage_key(stage, config, {});
   EXPECT_EQ(mv::stage_key(stage, config, {}), key);
   mv::write_text_atomically(dir / "a.csv", "2");
@@ -159,5 +159,5 @@ TEST(Manifest, the_content_of_a_named_file_counts_and_its_place_in_the_text_does
 
 TEST(Manifest, a_stage_has_no_key_before_what_it_needs_has_run) {
   EXPECT_EQ(mv::stage_key(mv::find_stage("mesh"), mv::Config(), {}), "");
-  EXPECT_NE(mv::stage_key(mv::find_stage("generic"), mv::Config(), {}), "");
+  EXPECT_NE(mv::stage_key(mv::find_stage("source"), mv::Config(), {}), "");
 }

@@ -30,7 +30,7 @@ TEST(Runner, a_stage_without_what_it_needs_says_which_stage_to_run) {
     mv::run_one_stage("chordae", mv::Config(), dir.path(), [](const mv::StageReport&) {});
     FAIL();
   } catch (const mv::IoError& e) {
-    EXPECT_NE(std::string(e.what()).find("mid_surface.vtp is missing; run stage generic first"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("mid_surface.vtp is missing; run stage source first"), std::string::npos) << e.what();
   }
 }
 

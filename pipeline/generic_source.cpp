@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pipeline/generic_stage.h"
+#include "pipeline/generic_source.h"
 
 #include <fmt/format.h>
 
@@ -103,13 +103,6 @@ SourceGeometry make_generic_source(const Config& config) {
       fmt::format("{} points, {} triangles, edges {:.2f} to {:.2f} mm, smallest angle {:.0f} deg", valve.report.points,
                   valve.report.triangles, valve.report.edge_min, valve.report.edge_max, valve.report.angle_min);
   return source;
-}
-
-std::string run_generic_stage(const StageContext& context) {
-  const SourceGeometry source = make_generic_source(context.config);
-  write_source(context.out("mid_surface.vtp"), source);
-  write_papillary(context.out("papillary.vtp"), source.papillary);
-  return source.summary;
 }
 
 }  // namespace mv

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/source_stage.h"
+
+#include "geometry/core/case_files.h"
+#include "geometry/core/errors.h"
+#include "geometry/core/log.h"
+#include "pipeline/generic_source.h"
+
+namespace mv {
+
+const std::vector<SourceKind>& source_kinds() {
+  static const std::vector<SourceKind> kinds = {
+      {"generic", "four-semicircle valve on an elliptic or a measured annulus", make_generic_source},
+  };
+  return kinds;
+}
+
+SourceGeometry make_source(const Config& config) {
+  const std::string& wanted = config.text("source.kind");
+  for (const SourceKind& kind : source_kinds()) {
+    if (kind.name == wanted) return kind.make(config);
+  }
+  throw ConfigError("key 'source.kind' = \"" + wanted + "\": this build does not hold that source");
+}
+
+std::string run_source_stage(const StageContext& context) {
+  const SourceGeometry source = make_source(context.config);
+  for (const std::string& note : source.notes) spdlog::warn("source: {}", note);
+  write_source(context.out("mid_surface.vtp"), source);
+  write_papillary(context.out("papillary.vtp"), source.papillary);
+  nlohmann::ordered_json json;
+  json["kind"] = context.config.text("source.kind");
+  json["summary"] = source.summary;
+  json["notes"] = source.notes;
+  json["measures"] = source.measures;
+  write_text_atomically(context.out("source.json"), json.dump(2) + "\n");
+  return source.summary;
+}
+
+}  // namespace mv
