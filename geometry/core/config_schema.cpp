@@ -50,10 +50,21 @@ const Row rows[] = {
     {"generic.papillary_tips_anterolateral", "length[3]", "[-10 mm, -2 mm, -32 mm]", "", "anterolateral tip in the valve's frame: x along the commissures, y anterior, z towards the atrium, origin in the annulus; scaled with the pattern"},
     {"generic.papillary_tips_posteromedial", "length[3]", "[10 mm, -2 mm, -32 mm]", "", "posteromedial tip in the valve's frame"},
 
+    {"patient.annulus", "path", "", "", "CSV of the annulus (columns x_mm,y_mm,z_mm, ordered, closed), where the source does not find it or finds it wrongly"},
+    {"patient.papillary", "path", "", "", "CSV of papillary points (columns x_mm,y_mm,z_mm), where the source holds none; without any, the generic tips are placed by the annulus"},
+    {"patient.commissures", "path", "", "", "CSV of the two commissures (columns x_mm,y_mm,z_mm); empty: from the leaflets' borders or the outline"},
+    {"patient.anterior_point", "length[3]?", "auto", "-10000 mm .. 10000 mm", "a point on the anterior side (world frame), e.g. the centre of the aortic valve; auto: from the source, the papillary tips, the leaflets' shape"},
+    {"patient.ventricle_direction", "number[3]?", "auto", "", "direction (world frame) from atrium to ventricle; auto: from the source, the papillary tips, the side on which the leaflets hang"},
+    {"patient.annulus_harmonics", "integer", "12", "0 .. 100", "Fourier harmonics kept of the annulus; 0 takes it as it is"},
+    {"patient.smoothing", "length", "4 mm", "0 mm .. 30 mm", "wavelength that the leaflets keep by half: shorter ones (voxel stairs, noise) vanish, longer ones stay"},
+    {"patient.commissure_gap", "length", "5 mm", "0 mm .. 30 mm", "separate leaflets whose annulus ends are no further apart are joined at the commissure"},
+    {"patient.thickness_min", "length", "0.3 mm", "0.05 mm .. 10 mm", "measured thickness is kept above this"},
+    {"patient.thickness_max", "length", "4 mm", "0.05 mm .. 20 mm", "measured thickness is kept below this"},
+
     {"mesh.spacing", "length", "0.5 mm", "0.05 mm .. 10 mm", "distance of neighbouring solid points; half the fluid spacing or less"},
     {"mesh.layers", "integer", "2", "1 .. 8", "layers of tetrahedra through the thickness"},
     {"mesh.order", "integer", "1", "1 .. 2", "1 linear tetrahedra, 2 quadratic (C3D10)"},
-    {"mesh.thickness", "length", "1 mm", "0.05 mm .. 10 mm", "leaflet thickness"},
+    {"mesh.thickness", "length", "1 mm", "0.05 mm .. 10 mm", "leaflet thickness where none is measured"},
 
     {"chordae.model", "choice generic|none", "generic", "", "chordae tree"},
     {"chordae.primary", "integer", "14", "0 .. 200", "primary chordae, to the free border"},

@@ -18,6 +18,7 @@ struct MidSurface {
   std::vector<char> on_annulus;               // per point
   std::vector<char> on_free_edge;             // per point
   std::vector<int> region;                    // per triangle, Region
+  std::vector<double> thickness;              // per point, mm; empty: uniform, as the mesher is told
   double perimeter = 0;                       // period of u, mm; 0 when u is not periodic
   Vec3 axis = -Vec3::UnitZ();                 // annulus normal, atrium to ventricle
 };

@@ -19,6 +19,8 @@ struct LeafletSurfaceOptions {
   double thickness_min = 0.3;     // mm, measured thickness is kept within these
   double thickness_max = 4;
   int annulus_harmonics = 12;     // Fourier harmonics kept of the annulus; 0 takes it as it is
+  double smoothing = 4;           // mm, wavelength that the surface keeps by half; shorter ones (voxels, triangles) vanish, longer ones stay
+  double commissure_gap = 5;      // mm, separate leaflets whose annulus ends are no further apart are joined
 };
 
 struct LeafletSurfaceReport {
@@ -34,8 +36,9 @@ struct LeafletSurfaceReport {
 };
 
 struct LeafletSurface {
-  MidSurface surface;              // unfolded: u in [0, perimeter) along the annulus, v = 0 at the annulus, growing towards the free edge (mm)
-  std::vector<double> thickness;   // per point, mm; empty: uniform
+  // unfolded: u in [0, perimeter) along the annulus, counter-clockwise seen from the atrium, 0 at the commissure behind which the anterior leaflet
+  // follows; v = 0 at the annulus, arc length along the column u (mm). thickness: per point; empty when raw.thickness is and options.thickness fits.
+  MidSurface surface;
   Annulus annulus;                 // smoothed curve, plane and direction
   Vec3 anterior_direction = Vec3::UnitY();
   Papillary papillary;             // two tips; empty when the data hold none
