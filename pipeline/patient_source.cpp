@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
 
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
-#include "geometry/core/units.h"
 #include "geometry/generic/generic_valve.h"
 
 namespace mv {
@@ -29,6 +29,27 @@ Papillary generic_tips(const Config& config, const LeafletSurface& leaflets) {
     papillary.names.emplace_back(name);
   }
   return papillary;
+}
+
+nlohmann::ordered_json to_json(const LeafletSurfaceReport& r) {
+  nlohmann::ordered_json json;
+  json["annulus.moved_rms_mm"] = r.annulus_moved_rms;
+  json["annulus.moved_max_mm"] = r.annulus_moved_max;
+  json["leaflets.moved_mean_mm"] = r.surface_moved_mean;
+  json["leaflets.moved_max_mm"] = r.surface_moved_max;
+  json["leaflets.anterior_area_mm2"] = r.area_anterior;
+  json["leaflets.posterior_area_mm2"] = r.area_posterior;
+  json["leaflets.free_edge_length_mm"] = r.free_edge_length;
+  json["leaflets.edge_min_mm"] = r.edge_min;
+  json["leaflets.edge_mean_mm"] = r.edge_mean;
+  json["leaflets.edge_max_mm"] = r.edge_max;
+  json["leaflets.angle_min_deg"] = r.angle_min;
+  json["leaflets.angle_max_deg"] = r.angle_max;
+  json["pattern.area_distortion_max"] = r.area_distortion_max;
+  json["rule.annulus"] = r.annulus_rule;
+  json["rule.atrial_side"] = r.normal_rule;
+  json["rule.leaflets"] = r.region_rule;
+  return json;
 }
 
 }  // namespace
@@ -76,10 +97,12 @@ SourceGeometry to_source_geometry(const LeafletSurface& leaflets, const Config& 
   source.scale = leaflets.surface.perimeter / generic_perimeter(GenericValveParameters{});
   source.papillary = leaflets.papillary;
   if (source.papillary.tips.empty()) {
-    spdlog::warn("the data hold no papillary tips: generic ones are placed below the annulus (patient.papillary gives real ones)");
+    source.notes.push_back("the data hold no papillary tips: generic ones are placed below the annulus (patient.papillary gives real ones)");
     source.papillary = generic_tips(config, leaflets);
   }
   const LeafletSurfaceReport& r = leaflets.report;
+  source.notes.insert(source.notes.begin(), r.notes.begin(), r.notes.end());
+  source.measures = to_json(r);
   source.summary = fmt::format(
       "{} points, {} triangles, edges {:.2f} to {:.2f} mm, {:.2f} mm mean from the raw surface, anterior {:.0f} mm2, posterior {:.0f} mm2",
       leaflets.surface.points.size(), leaflets.surface.triangles.size(), r.edge_min, r.edge_max, r.surface_moved_mean,
@@ -94,7 +117,6 @@ SourceGeometry make_patient_source(const Config& config, RawLeaflets raw) {
   spdlog::info("leaflets: annulus by {}, atrial side by {}, leaflets by {}", r.annulus_rule, r.normal_rule, r.region_rule);
   spdlog::info("leaflets: smoothing moved the annulus by {:.2f} mm rms, {:.2f} mm at most, the surface by {:.2f} mm mean, {:.2f} mm at most",
                r.annulus_moved_rms, r.annulus_moved_max, r.surface_moved_mean, r.surface_moved_max);
-  for (const std::string& note : r.notes) spdlog::warn("leaflets: {}", note);
   return to_source_geometry(leaflets, config);
 }
 

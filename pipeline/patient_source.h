@@ -3,6 +3,7 @@
 
 // From what a patient source found (labels, slices, surface, deck) to what the later stages read: the last step of each of them.
 
+#include "geometry/core/config.h"
 #include "geometry/surface/leaflet_surface.h"
 #include "geometry/surface/raw_leaflets.h"
 #include "pipeline/source_file.h"
@@ -17,11 +18,11 @@ LeafletSurfaceOptions leaflet_surface_options(const Config& config);
 void apply_patient_keys(const Config& config, RawLeaflets& raw);
 
 /// The same geometry in the form of mid_surface.vtp and papillary.vtp; summary: one line. Without papillary points the generic tips
-/// (generic.papillary_tips_*, scaled by the perimeter) are placed in the annulus' frame, with a warning on the log.
+/// (generic.papillary_tips_*, scaled by the perimeter) are placed in the annulus' frame, with a note.
 SourceGeometry to_source_geometry(const LeafletSurface& leaflets, const Config& config);
 
-/// All of it: apply_patient_keys, build_leaflet_surface, its report and notes on the log, to_source_geometry. A source stage makes RawLeaflets and calls
-/// this. Throws what they throw.
+/// All of it: apply_patient_keys, build_leaflet_surface, its rules on the log, to_source_geometry (notes and measures go to source.json). A source makes
+/// RawLeaflets and returns this. Throws what they throw.
 SourceGeometry make_patient_source(const Config& config, RawLeaflets raw);
 
 }  // namespace mv
