@@ -11,9 +11,11 @@
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
 #include "pipeline/case_directory.h"
+#include "pipeline/export_case.h"
 #include "pipeline/prediction.h"
 #include "pipeline/runner.h"
 #include "pipeline/stage_table.h"
+#include "pipeline/valve_metrics.h"
 
 namespace mv {
 namespace {
@@ -115,6 +117,30 @@ void check_command(const std::filesystem::path& case_directory) {
     throw;
   }
   print_gates(case_directory);
+}
+
+void metrics_command(const std::vector<std::filesystem::path>& cases, const std::string& phase,
+                     const std::filesystem::path& output) {
+  std::vector<ValveMetrics> valves;
+  for (const auto& directory : cases) {
+    read_case_config(directory);
+    const std::string name = std::filesystem::weakly_canonical(directory).filename().string();
+    for (const ValveMetrics& other : valves) {
+      if (other.filename == name) throw UsageError("two cases are called '" + name + "': their rows could not be told apart");
+    }
+    valves.push_back({name, phase, measure_case_metrics(directory)});
+  }
+  if (!output.empty()) write_metrics(output, valves);
+  for (const ValveMetrics& valve : valves) {
+    print(valve.filename + (valve.phase.empty() ? "" : "  " + valve.phase) + "\n");
+    for (const Metric& metric : valve.metrics)
+      print(fmt::format("  {:<48} {:>10.2f} {}\n", metric.name, metric.value, metric.unit));
+  }
+}
+
+void export_command(const std::filesystem::path& case_directory, const std::filesystem::path& directory,
+                    const std::string& space) {
+  for (const auto& file : export_case(case_directory, directory, space)) print(fmt::format("{}  {} mm\n", file.string(), space));
 }
 
 void config_command(bool only_defaults) { print(Config().to_toml(!only_defaults)); }

@@ -31,6 +31,15 @@ void stage_command(const std::string& stage, const std::filesystem::path& case_d
 /// `mvprep check CASE`: the gates again; throws GateError when one fails.
 void check_command(const std::filesystem::path& case_directory);
 
+/// `mvprep metrics CASE...`: measures as SlicerHeart names them, printed and, with `output`, as its three tables
+/// (valve_metrics.h). Throws UsageError when two cases have the same name.
+void metrics_command(const std::vector<std::filesystem::path>& cases, const std::string& phase,
+                     const std::filesystem::path& output);
+
+/// `mvprep export CASE -o DIR --space RAS|LPS`: copies of the VTK files for other programs (export_case.h); prints their names.
+void export_command(const std::filesystem::path& case_directory, const std::filesystem::path& directory,
+                    const std::string& space);
+
 /// `mvprep config`: every key, with documentation unless `only_defaults`.
 void config_command(bool only_defaults);
 

@@ -66,6 +66,26 @@ void run(int argc, char** argv) {
   check->add_option("CASE", options.case_directory, "Case directory")->required();
   check->callback([&] { start_log(), mv::check_command(options.case_directory); });
 
+  std::vector<std::filesystem::path> cases;
+  std::string phase;
+  std::filesystem::path tables;
+  CLI::App* metrics =
+      app.add_subcommand("metrics", "Measures of annulus and leaflets as SlicerHeart names them, for one or many cases");
+  metrics->add_option("CASE", cases, "Case directories")->required();
+  metrics->add_option("-o,--output", tables,
+                      "Directory for QuantificationResults_wide.csv, _long.csv and QuantificationUnits.csv");
+  metrics->add_option("--phase", phase, "Phase of the heart cycle, for the column of that name, e.g. MS");
+  metrics->callback([&] { start_log(), mv::metrics_command(cases, phase, tables); });
+
+  std::filesystem::path exported;
+  std::string space = "RAS";
+  CLI::App* copy = app.add_subcommand("export", "Copies of a case's VTK files for other programs, in the space they expect");
+  copy->add_option("CASE", options.case_directory, "Case directory")->required();
+  copy->add_option("-o,--output", exported, "Directory to write")->required();
+  copy->add_option("--space", space, "RAS (as in the case) or LPS (as Slicer and ITK write)")
+      ->check(CLI::IsMember({"RAS", "LPS"}));
+  copy->callback([&] { start_log(), mv::export_command(options.case_directory, exported, space); });
+
   bool only_defaults = false;
   CLI::App* keys = app.add_subcommand("config", "Print every key with unit, default and documentation, as a configuration");
   keys->add_flag("--defaults", only_defaults, "Without the documentation");

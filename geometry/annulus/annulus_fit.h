@@ -55,6 +55,8 @@ struct AnnulusMetrics {
   double al_pm_diameter = 0;  // mm, in-plane extent perpendicular to it through the centre
   double sphericity = 0;      // ap_diameter / al_pm_diameter
   double height = 0;          // mm, extent along the normal
+  double height_above = 0;    // mm, highest point over the plane, towards the atrium
+  double height_below = 0;    // mm, lowest point under it
   double area_2d = 0;         // mm2, of the projection
   double area_3d =
       0;  // mm2, of the soap-film-like surface spanned by the curve (harmonic height; slightly above the minimal area)

@@ -95,6 +95,8 @@ AnnulusMetrics measure_annulus(const Annulus& annulus, const Vec3& anterior_dire
     m.perimeter_2d += (chord - chord.dot(n) * n).norm();
   }
   m.height = highest - lowest;
+  m.height_above = -lowest;  // the normal points to the ventricle
+  m.height_below = highest;
   m.area_2d = 0.5 * std::abs(twice_area);
   m.area_3d = soap_film_area(curve, annulus.origin, n);
   m.height_to_al_pm = m.height / m.al_pm_diameter;

@@ -7,11 +7,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "geometry/core/case_files.h"
 #include "geometry/core/config.h"
+#include "geometry/core/errors.h"
 #include "unit/core/sample_case.h"
 
 using mv_test::TemporaryDirectory;
@@ -325,4 +329,55 @@ TEST(Mvprep, a_valve_without_chordae_and_fibres_is_complete) {
       mvprep({"run", "-c", config, "-o", dir / "case", "--set", "mesh.spacing=1.5 mm", "--set", "tube.spacing=4 mm"}, dir);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_TRUE(mv::read_chordae(dir / "case/chordae.vtp").segments.empty());
+}
+
+TEST(Mvprep, metrics_of_the_generic_valve_are_its_parameters_under_slicerhearts_names) {
+  const TemporaryDirectory dir;
+  const auto config = coarse_config(dir);
+  ASSERT_EQ(mvprep({"run", "-q", "-c", config, "-o", dir / "valve"}, dir).code, 0);
+  const auto done = mvprep({"metrics", dir / "valve/", "-o", dir / "tables", "--phase", "MS"}, dir);
+  ASSERT_EQ(done.code, 0) << done.err;
+  std::map<std::string, double> value;
+  std::istringstream table(mv::read_file(dir / "tables/QuantificationResults_long.csv"));
+  std::string line;
+  std::getline(table, line);
+  EXPECT_EQ(line, "Filename,Phase,Measurement,Value");
+  std::getline(table, line);
+  EXPECT_EQ(line, "valve,MS,ValveType,MitralValve");
+  while (std::getline(table, line)) {
+    ASSERT_TRUE(line.starts_with("valve,MS,")) << line;
+    value[line.substr(9, line.rfind(',') - 9)] = std::stod(line.substr(line.rfind(',') + 1));
+  }
+  EXPECT_NEAR(value.at("Annulus circumference (3D)"), 107.2, 0.1);
+  EXPECT_NEAR(value.at("A-P distance"), 30, 0.01);
+  EXPECT_NEAR(value.at("AL-PM distance"), 38, 0.01);
+  EXPECT_NEAR(value.at("Sphericity index (A-P / AL-PM)"), 30.0 / 38, 1e-3);
+  EXPECT_NEAR(value.at("Annulus height"), 0, 1e-6);
+  EXPECT_NEAR(value.at("Annulus area (2D)"), std::acos(-1.0) / 4 * 38 * 30, 0.5);
+  // the commissures are 36 mm of arc apart, on chords of the ellipse
+  EXPECT_NEAR(value.at("ALC-PMC distance"), 31.5, 1.5);
+  EXPECT_NEAR(value.at("Leaflet thickness estimate - anterior leaflet"), 1, 0.05);
+  EXPECT_NEAR(value.at("Leaflet area - all"),
+              value.at("Leaflet area - anterior leaflet") + value.at("Leaflet area - posterior leaflet"), 1e-2);
+  EXPECT_TRUE(holds(mv::read_file(dir / "tables/QuantificationUnits.csv"), "Annulus area (2D),mm*mm\n"));
+  const std::string wide = mv::read_file(dir / "tables/QuantificationResults_wide.csv");
+  EXPECT_TRUE(wide.starts_with("Filename,Phase,Measurement,Annulus circumference (3D),A-P distance,")) << wide;
+  EXPECT_EQ(count(wide, "\n"), 2);
+  EXPECT_EQ(mvprep({"metrics", dir / "valve", dir / "tables/../valve"}, dir).code, 2) << "two rows of one name";
+  EXPECT_EQ(mvprep({"metrics", dir / "tables"}, dir).code, 7);
+}
+
+TEST(Mvprep, export_copies_the_case_in_the_asked_space) {
+  const TemporaryDirectory dir;
+  const auto config = coarse_config(dir);
+  ASSERT_EQ(mvprep({"run", "-q", "-c", config, "-o", dir / "valve"}, dir).code, 0);
+  ASSERT_EQ(mvprep({"export", dir / "valve", "-o", dir / "lps", "--space", "LPS"}, dir).code, 0);
+  ASSERT_EQ(mvprep({"export", dir / "valve", "-o", dir / "ras"}, dir).code, 0);
+  EXPECT_THROW(mv::read_leaflets(dir / "lps/leaflets.vtu"), mv::InputError) << "our own programs take RAS only";
+  const auto ras = mv::read_leaflets(dir / "ras/leaflets.vtu"), original = mv::read_leaflets(dir / "valve/leaflets.vtu");
+  ASSERT_EQ(ras.points.size(), original.points.size());
+  EXPECT_EQ(ras.points, original.points);
+  EXPECT_EQ(ras.fibre, original.fibre);
+  EXPECT_EQ(mvprep({"export", dir / "valve", "-o", dir / "valve", "--space", "LPS"}, dir).code, 2);
+  EXPECT_EQ(mvprep({"export", dir / "valve", "-o", dir / "x", "--space", "ABC"}, dir).code, 2);
 }
