@@ -100,7 +100,7 @@ const Row rows[] = {
     {"chordae.branch_levels", "integer", "1", "0 .. 4", "density: how often a border chorda divides in two"},
     {"chordae.branch_share", "number", "0.6", "0 .. 1", "density: share of the border ends that belong to branched chordae"},
     {"chordae.branch_angle", "angle", "40 deg", "5 deg .. 150 deg", "density: angle between the two branches"},
-    {"chordae.min_distance", "length?", "auto", "0 mm .. 20 mm", "density: smallest distance between leaflet ends along the leaflet; auto: half of what the density gives"},
+    {"chordae.min_distance", "length?", "auto", "0 mm .. 20 mm", "density: smallest distance between leaflet ends (border ends: along the border); auto: half of what the density gives"},
 
     {"chordae.cut", "integer[]", "[]", "0 ..", "segments (cells of chordae.vtp, columns of chordae.csv, counted from 0) that are cut during the run"},
     {"chordae.cut_time", "time", "0 s", "0 s ..", "time at which they are cut"},
