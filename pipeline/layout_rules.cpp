@@ -18,7 +18,7 @@ constexpr double place_grid = 4.0;     // mm of border: changes nearer than this
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // One leaflet as seen from a hole.
-struct Side {
+struct Flank {
   int leaflet = 0;
   bool has_border = false;
   double depth = 0;                       // mm below the annulus plane, mean of the border near the hole
@@ -35,7 +35,7 @@ class View {
       : mesh_(mesh), chart_(chart), annulus_(annulus), chordae_(chordae), seen_(seen), hole_(hole), reach_(std::max(rules.reach, 1.5 * std::sqrt(hole.area))) {
     for (int leaflet : {static_cast<int>(anterior), static_cast<int>(posterior)}) sides_[leaflet] = look(leaflet);
   }
-  const Side& side(int leaflet) const { return sides_.at(leaflet); }
+  const Flank& side(int leaflet) const { return sides_.at(leaflet); }
 
  private:
   // Distance across the annulus plane: a hole has no depth of its own.
@@ -57,8 +57,8 @@ class View {
     return std::min(d, chart_.border_length() - d);
   }
 
-  Side look(int leaflet) const {
-    Side side;
+  Flank look(int leaflet) const {
+    Flank side;
     side.leaflet = leaflet;
     std::vector<char> is_there(mesh_.points.size(), 0);
     for (std::size_t e = 0; e < mesh_.tets.size(); ++e)
@@ -85,7 +85,7 @@ class View {
     return side;
   }
 
-  void find_segments(Side& side) const {
+  void find_segments(Flank& side) const {
     std::map<int, Vec3> moved, rest;
     for (const Insertion& i : chordae_.insertions) {
       moved.try_emplace(i.point, Vec3::Zero()).first->second += i.weight * seen_.points[at(i.node)];
@@ -110,7 +110,7 @@ class View {
   const LayoutObservation& seen_;
   const LayoutHole& hole_;
   double reach_;
-  std::map<int, Side> sides_;
+  std::map<int, Flank> sides_;
 };
 
 const char* leaflet_name(int leaflet) { return leaflet == anterior ? "anterior" : leaflet == posterior ? "posterior" : "both"; }
@@ -124,10 +124,10 @@ std::string LayoutChange::name() const {
 std::vector<LayoutChange> propose_changes(const LeafletMesh& mesh, const LeafletChart& chart, const Annulus& annulus, const Chordae& chordae, const LayoutObservation& seen,
                                           const LayoutHole& hole, const LayoutRules& rules) {
   const View view(mesh, chart, annulus, chordae, seen, hole, rules);
-  const Side &a = view.side(anterior), &p = view.side(posterior);
+  const Flank &a = view.side(anterior), &p = view.side(posterior);
   std::vector<LayoutChange> out;
   const double by_area = std::clamp(std::sqrt(hole.area), rules.step_least, rules.step_most);
-  const auto lengths = [&](LayoutChange::Action action, const Side& side, double amount, const std::string& why) {
+  const auto lengths = [&](LayoutChange::Action action, const Flank& side, double amount, const std::string& why) {
     if (!side.segments.empty()) out.push_back({action, side.leaflet, side.segments, std::clamp(amount, rules.step_least, rules.step_most), side.arc, why});
   };
   const auto both = [&](LayoutChange::Action action, double amount, const std::string& why) {
@@ -135,12 +135,12 @@ std::vector<LayoutChange> propose_changes(const LeafletMesh& mesh, const Leaflet
     change.segments.insert(change.segments.end(), p.segments.begin(), p.segments.end());
     if (!a.segments.empty() && !p.segments.empty()) out.push_back(change);
   };
-  const auto addition = [&](const Side& side, const std::string& why) {
+  const auto addition = [&](const Flank& side, const std::string& why) {
     if (side.has_border && side.nearest > 0.5 * rules.far) out.push_back({LayoutChange::add, side.leaflet, {}, 0, side.arc, why});
   };
   const double difference = a.depth - p.depth;
   if (a.has_border && p.has_border && std::abs(difference) > rules.level_difference) {
-    const Side &high = difference < 0 ? a : p, &low = difference < 0 ? p : a;
+    const Flank &high = difference < 0 ? a : p, &low = difference < 0 ? p : a;
     const std::string why = fmt::format("{} border {:.1f} mm above the other", leaflet_name(high.leaflet), std::abs(difference));
     if (high.nearest > rules.far) addition(high, why + ", no chorda near");
     lengths(LayoutChange::shorten, high, 0.5 * std::abs(difference), why);
@@ -151,7 +151,7 @@ std::vector<LayoutChange> propose_changes(const LeafletMesh& mesh, const Leaflet
     return out;
   }
   const std::string why = fmt::format("borders at {:.1f} and {:.1f} mm, {:.2f} and {:.2f} N near", a.depth, p.depth, a.tension, p.tension);
-  const Side &tauter = a.tension > p.tension ? a : p, &slacker = a.tension > p.tension ? p : a;
+  const Flank &tauter = a.tension > p.tension ? a : p, &slacker = a.tension > p.tension ? p : a;
   if (tauter.tension > rules.taut) {
     lengths(LayoutChange::lengthen, tauter, by_area, why + ": held back");
     both(LayoutChange::lengthen, by_area, why + ": held back");
