@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Collagen directions of the leaflets (papers/s2, section 3): one family, parallel to the annulus or following arcs.
+// Collagen directions of the leaflets (papers/s2, section 3): one family, parallel to the annulus, following arcs of a fixed shape or
+// drawn by hand, or continuing the chordae into the leaflet (which s2 leaves as future work).
 // A fibre has no sign: +f and -f are the same. Directions are therefore diffused as z = exp(2 i phi), phi the angle in the
 // tangent plane (fibers/nematic.h), and everything here gives the same result when an input is negated.
 
@@ -13,9 +14,12 @@
 
 namespace mv {
 
-enum class FiberModel { none, parallel, arc };
+enum class FiberModel { none, parallel, arc, outline, chordae };
 
-/// "none", "parallel" or "arc"; throws ConfigError otherwise.
+/// |sin| of the angle between sheet normal and annulus normal below which "parallel to the annulus" has no direction.
+inline constexpr double flat_sine = 0.1;
+
+/// By its name; throws ConfigError otherwise.
 FiberModel fiber_model_from_name(std::string_view name);
 
 /// Arcs of one leaflet on the flat pattern. With t in [-1, 1] across the leaflet (u), H its largest height and h(t) the height of
@@ -33,6 +37,10 @@ struct FiberOptions {
   ArcShape anterior{};
   ArcShape posterior{0.85, 0.3, 4.0};
   double border_middle = 0.25;  // share of the half width where fibres at the border are parallel to the annulus; 0: leave free
+  bool guide_from_chordae = false;  // arc: the guide's ends are the mean places of the chordae ends left and right of the middle
+  const Chordae* chordae = nullptr;             // for guide_from_chordae and FiberModel::chordae
+  std::vector<std::vector<Vec3>> outlines;      // mm, FiberModel::outline: curves drawn on the leaflets
+  double outline_reach = 3.0;                   // mm, largest distance of a drawn curve from the leaflets
 };
 
 /// Parallel to the annulus plane: f = normal x sheet_normal. Where the leaflet itself is parallel to that plane (|sin| < 0.1) the
@@ -42,7 +50,9 @@ std::vector<Vec3> parallel_fibers(const LeafletMesh& mesh, const Vec3& normal);
 
 /// Arcs: each leaflet by itself. Given: along the annulus on the annulus row, along the guide arc, in the middle of the border
 /// along u, and where the guide meets the border beyond its ends, perpendicular to the border (commissure rule); the rest by
-/// diffusion. Needs `unfolded`, `on_annulus`, `on_free_edge`. One unit vector per element.
+/// diffusion. Outline: along the drawn curves instead of the guide; a leaflet without a drawn curve takes its arc. Chordae: where a
+/// chorda holds the leaflet along its last segment, along the annulus on the annulus row and in the unheld middle of the border. Needs
+/// `unfolded`, `on_annulus`, `on_free_edge`. One unit vector per element.
 std::vector<Vec3> arc_fibers(const LeafletMesh& mesh, const FiberOptions& options);
 
 /// Fills mesh.fibre (zero vectors for FiberModel::none).

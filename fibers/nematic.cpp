@@ -9,6 +9,7 @@
 #include <numeric>
 #include <string>
 
+#include "fibers/intrinsic_surface.h"
 #include "geometry/core/errors.h"
 
 namespace mv {
@@ -18,6 +19,9 @@ using Complex = std::complex<double>;
 
 constexpr double smallest_order = 1e-9;    // below it, contradicting directions leave no direction at all
 constexpr double smallest_tangent = 1e-6;  // part of a unit direction that must lie in the tangent plane
+
+// A mesh whose face is further from Delaunay than this (degrees, two angles opposite to an edge) is diffused on its intrinsic surface.
+constexpr double obtuse_sum = 200;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -151,33 +155,28 @@ std::vector<Complex> fix_given(const Domain& d, const std::vector<GivenDirection
   return z;
 }
 
-void solve_free(const LeafletMesh& mesh, const std::vector<int>& elements, const Domain& d, const std::vector<char>& is_given,
-                std::vector<Complex>& z) {
+using Entries = std::vector<Eigen::Triplet<Complex>>;
+
+// Minimises sum k_ij |z_i - r_ij z_j|^2; `add` hands every k_ij > 0 (i != j, each ordered pair) to its argument.
+template <class Add>
+void solve_free(std::vector<Complex>& z, const std::vector<char>& is_given, const std::vector<Frame>& frames, const Add& add) {
   std::vector<int> unknown(z.size(), -1);
   int count = 0;
   for (std::size_t i = 0; i < z.size(); ++i)
     if (!is_given[i]) unknown[i] = count++;
   if (count == 0) return;
-  std::vector<Eigen::Triplet<Complex>> entries;
+  Entries entries;
   Eigen::VectorXcd rhs = Eigen::VectorXcd::Zero(count);
-  for (std::size_t e = 0; e < elements.size(); ++e) {
-    const Eigen::Matrix4d k = stiffness(mesh, mesh.tets[at(elements[e])]);
-    const auto& c = d.corners[e];
-    for (int i = 0; i < 4; ++i) {
-      const int row = unknown[at(c[at(i)])];
-      if (row < 0) continue;
-      for (int j = 0; j < 4; ++j) {
-        if (i == j) continue;
-        const double weight = -k(i, j);
-        entries.emplace_back(row, row, weight);
-        const Complex carry = weight * transport(d.frames[at(c[at(j)])], d.frames[at(c[at(i)])]);
-        if (const int column = unknown[at(c[at(j)])]; column >= 0)
-          entries.emplace_back(row, column, -carry);
-        else
-          rhs[row] += carry * z[at(c[at(j)])];
-      }
-    }
-  }
+  add([&](int i, int j, double weight) {
+    const int row = unknown[at(i)];
+    if (row < 0) return;
+    entries.emplace_back(row, row, weight);
+    const Complex carry = weight * transport(frames[at(j)], frames[at(i)]);
+    if (const int column = unknown[at(j)]; column >= 0)
+      entries.emplace_back(row, column, -carry);
+    else
+      rhs[row] += carry * z[at(j)];
+  });
   Eigen::SparseMatrix<Complex> matrix(count, count);
   matrix.setFromTriplets(entries.begin(), entries.end());
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<Complex>> solver(matrix);
@@ -190,15 +189,64 @@ void solve_free(const LeafletMesh& mesh, const std::vector<int>& elements, const
     if (unknown[i] >= 0) z[i] = solution[unknown[i]];
 }
 
+void solve_in_volume(const LeafletMesh& mesh, const std::vector<int>& elements, const Domain& d, const std::vector<char>& is_given, std::vector<Complex>& z) {
+  solve_free(z, is_given, d.frames, [&](const auto& pair) {
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+      const Eigen::Matrix4d k = stiffness(mesh, mesh.tets[at(elements[e])]);
+      const auto& c = d.corners[e];
+      for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j)
+          if (i != j) pair(c[at(i)], c[at(j)], -k(i, j));
+    }
+  });
+}
+
+void solve_on_surface(const IntrinsicSurface& surface, const Domain& d, const std::vector<char>& is_given, std::vector<Complex>& z) {
+  const std::size_t columns = surface.column_node.size();
+  std::vector<Frame> frames;
+  for (int node : surface.column_node) frames.push_back(d.frames[at(d.local_of_node[at(node)])]);
+  std::vector<int> column(d.frames.size(), -1);
+  for (std::size_t node = 0; node < d.local_of_node.size(); ++node)
+    if (d.local_of_node[node] >= 0) column[at(d.local_of_node[node])] = surface.column_of_node[node];
+  // What is given anywhere through the thickness holds for the column.
+  std::vector<Complex> zc(columns, 0.0);
+  std::vector<char> is_fixed(columns, 0);
+  for (std::size_t i = 0; i < z.size(); ++i)
+    if (is_given[i]) zc[at(column[i])] += transport(d.frames[i], frames[at(column[i])]) * z[i];
+  for (std::size_t c = 0; c < columns; ++c) {
+    if (std::abs(zc[c]) < smallest_order) continue;
+    zc[c] /= std::abs(zc[c]);
+    is_fixed[c] = 1;
+  }
+  // A trace of coupling keeps points whose weights all vanish in the system.
+  double largest = 0;
+  for (const auto& e : surface.edges) largest = std::max(largest, e.weight);
+  solve_free(zc, is_fixed, frames, [&](const auto& pair) {
+    for (const auto& e : surface.edges) {
+      const double weight = std::max(e.weight, 1e-9 * largest);
+      pair(e.a, e.b, weight);
+      pair(e.b, e.a, weight);
+    }
+  });
+  for (std::size_t i = 0; i < z.size(); ++i)
+    if (!is_given[i]) z[i] = transport(frames[at(column[i])], d.frames[i]) * zc[at(column[i])];
+}
+
 }  // namespace
 
 NematicField diffuse_directions(const LeafletMesh& mesh, const std::vector<int>& elements,
-                                const std::vector<GivenDirection>& given) {
+                                const std::vector<GivenDirection>& given, Diffusion how) {
   const Domain d = make_domain(mesh, elements);
   std::vector<char> is_given;
   std::vector<Complex> z = fix_given(d, given, is_given);
-  solve_free(mesh, elements, d, is_given, z);
   NematicField field;
+  IntrinsicSurface surface;
+  if (how != Diffusion::volume && mesh.side.size() == mesh.points.size()) surface = intrinsic_surface(mesh, elements);
+  field.on_surface = !surface.column_node.empty() && (how == Diffusion::surface || surface.worst_angle_sum > obtuse_sum);
+  if (field.on_surface)
+    solve_on_surface(surface, d, is_given, z);
+  else
+    solve_in_volume(mesh, elements, d, is_given, z);
   for (std::size_t e = 0; e < elements.size(); ++e) {
     const Frame& frame = d.element_frames[e];
     Complex mean = 0;

@@ -27,12 +27,17 @@ struct NematicField {
   std::vector<Vec3> directions;  // unit, tangent to the element's sheet normal; one per entry of `elements`
   std::vector<double> order;     // |z| of each: 1 where neighbours agree, 0 where undefined
   double order_min = 1;
+  bool on_surface = false;       // which of the two ways was taken
 };
+
+/// volume: linear tetrahedra. surface: intrinsic Delaunay triangles of the atrial face (intrinsic_surface.h), the same through the
+/// thickness; keeps the maximum principle whatever the angles. automatic: surface where the face is far from Delaunay.
+enum class Diffusion { automatic, volume, surface };
 
 /// `elements`: indices of the tetrahedra (one leaflet, or a part of it) that the field lives on; uses corner nodes. `given`: at
 /// least one entry on a node of every connected part. Throws InputError when none is given, a direction vanishes in the tangent
 /// plane, or the system is singular.
 NematicField diffuse_directions(const LeafletMesh& mesh, const std::vector<int>& elements,
-                                const std::vector<GivenDirection>& given);
+                                const std::vector<GivenDirection>& given, Diffusion how = Diffusion::automatic);
 
 }  // namespace mv

@@ -3,14 +3,22 @@
 
 #include <fmt/format.h>
 
+#include "geometry/annulus/annulus_fit.h"
+#include "geometry/chordae/density_chordae.h"
 #include "geometry/chordae/generic_chordae.h"
+#include "geometry/chordae/segmented_chordae.h"
 #include "geometry/core/case_files.h"
+#include "geometry/core/errors.h"
+#include "geometry/core/log.h"
 #include "pipeline/source_file.h"
 
 namespace mv {
 namespace {
 
-ChordaeOptions options_of(const Config& config, double scale) {
+constexpr double cm_per_mm = 0.1;
+constexpr double degrees = 57.29577951308232;
+
+ChordaeOptions generic_options(const Config& config, double scale) {
   ChordaeOptions o;
   o.primary = static_cast<int>(config.integer("chordae.primary"));
   o.secondary = static_cast<int>(config.integer("chordae.secondary"));
@@ -24,17 +32,90 @@ ChordaeOptions options_of(const Config& config, double scale) {
   return o;
 }
 
+SegmentedOptions file_options(const Config& config) {
+  SegmentedOptions o;
+  o.slack = config.number("chordae.slack");
+  if (!config.is_auto("chordae.influence_radius")) o.radius = config.number_in("chordae.influence_radius", "mm");
+  o.area_primary = config.number_in("chordae.area_primary", "mm2");
+  o.area_secondary = config.number_in("chordae.area_secondary", "mm2");
+  o.end_reach = config.number_in("chordae.end_reach", "mm");
+  o.root_reach = config.number_in("chordae.root_reach", "mm");
+  o.gap = config.number_in("chordae.gap", "mm");
+  o.merge_runs = config.flag("chordae.merge_runs");
+  o.defects = config.text("chordae.file_defects") == "drop" ? NetworkDefects::drop : NetworkDefects::refuse;
+  o.refuse_loops = config.text("chordae.file_loops") == "refuse";
+  return o;
+}
+
+DensityOptions density_options(const Config& config, double scale) {
+  DensityOptions o;
+  o.seed = static_cast<unsigned>(config.integer("chordae.seed"));
+  o.border_density = config.number("chordae.border_density") * cm_per_mm;
+  o.area_density = config.number("chordae.area_density") * cm_per_mm * cm_per_mm;
+  o.area_from = config.number("chordae.area_from");
+  o.area_to = config.number("chordae.area_to");
+  o.struts = static_cast<int>(config.integer("chordae.struts"));
+  o.branch_levels = static_cast<int>(config.integer("chordae.branch_levels"));
+  o.branch_share = config.number("chordae.branch_share");
+  o.branch_angle = config.number("chordae.branch_angle") * degrees;
+  if (!config.is_auto("chordae.min_distance")) o.min_distance = config.number_in("chordae.min_distance", "mm");
+  o.slack = config.number("chordae.slack");
+  o.coaptation_depth = scale * config.number_in("chordae.coaptation_depth", "mm");
+  o.area_primary = config.number_in("chordae.area_primary", "mm2");
+  o.area_secondary = config.number_in("chordae.area_secondary", "mm2");
+  if (!config.is_auto("chordae.influence_radius")) o.radius = config.number_in("chordae.influence_radius", "mm");
+  for (const double index : config.numbers("chordae.removed")) o.removed.push_back(static_cast<int>(index));
+  return o;
+}
+
+std::vector<Vec3> heads_of(const Config& config) {
+  if (config.text("chordae.heads").empty()) return {};
+  return read_points_csv(config.path("chordae.heads"));
+}
+
+Chordae from_file(const StageContext& context, const LeafletMesh& mesh, const Papillary& papillary, std::string& summary) {
+  const Config& config = context.config;
+  if (config.text("chordae.file").empty())
+    throw ConfigError("key 'chordae.file' is empty: chordae.model = \"file\" needs the network (.vtp, .vtk, .swc, .csv); or choose chordae.model = \"density\"");
+  ChordaeFileOptions reading;
+  reading.unit = config.text("chordae.file_unit");
+  reading.space = config.text("chordae.file_space") == "lps" ? ChordaeSpace::lps : ChordaeSpace::ras;
+  SegmentedReport report;
+  Chordae chordae = attach_chordae(mesh, papillary, heads_of(config), read_chordae_file(config.path("chordae.file"), reading), file_options(config), &report);
+  for (const std::string& note : report.notes) spdlog::warn("chordae: {}", note);
+  summary = fmt::format("{} trees with {} branch points, {} roots, {} leaflet ends moved {:.2f} mm on average ({:.2f} at most); ", report.trees, report.branch_points, report.roots,
+                        report.ends, report.end_moved_mean, report.end_moved_max);
+  return chordae;
+}
+
+Chordae by_density(const StageContext& context, const LeafletMesh& mesh, const Annulus& annulus, const Papillary& papillary, double scale, std::string& summary) {
+  DensityReport report;
+  Chordae chordae = density_chordae(mesh, annulus, papillary, heads_of(context.config), density_options(context.config, scale), &report);
+  for (const std::string& note : report.notes) spdlog::warn("chordae: {}", note);
+  summary = fmt::format("{} border and {} inner ends, {} of them on branches, belt {:.1f} mm on average; ", report.border_ends, report.inner_ends, report.branched_ends, report.belt_mean);
+  return chordae;
+}
+
 }  // namespace
 
 std::string run_chordae_stage(const StageContext& context) {
+  const std::string& model = context.config.text("chordae.model");
   Chordae chordae;
-  if (context.config.text("chordae.model") != "none") {
+  std::string summary;
+  if (model != "none") {
     const SourceGeometry source = read_source(context.in("mid_surface.vtp"));
-    chordae = generic_chordae(read_leaflets(context.in("leaflets.vtu")), read_annulus(context.in("annulus.vtp")),
-                              read_papillary(context.in("papillary.vtp")), options_of(context.config, source.scale));
+    const LeafletMesh mesh = read_leaflets(context.in("leaflets.vtu"));
+    const Annulus annulus = read_annulus(context.in("annulus.vtp"));
+    const Papillary papillary = read_papillary(context.in("papillary.vtp"));
+    if (model == "file")
+      chordae = from_file(context, mesh, papillary, summary);
+    else if (model == "density")
+      chordae = by_density(context, mesh, annulus, papillary, source.scale, summary);
+    else
+      chordae = generic_chordae(mesh, annulus, papillary, generic_options(context.config, source.scale));
   }
   write_chordae(context.out("chordae.vtp"), chordae);
-  return fmt::format("{} segments, {} insertion weights", chordae.segments.size(), chordae.insertions.size());
+  return summary + fmt::format("{} segments, {} insertion weights", chordae.segments.size(), chordae.insertions.size());
 }
 
 }  // namespace mv

@@ -7,12 +7,14 @@
 #include <nlohmann/json.hpp>
 
 #include "fibers/fiber_field.h"
+#include "fibers/guides.h"
 #include "geometry/annulus/annulus_fit.h"
 #include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
 #include "geometry/surface/self_intersection.h"
 #include "geometry/tube/tube.h"
 #include "geometry/volume/gates.h"
+#include "pipeline/fibers_stage.h"
 #include "pipeline/source_file.h"
 
 namespace mv {
@@ -59,6 +61,20 @@ nlohmann::ordered_json measures(const LeafletMesh& mesh, const Annulus& annulus,
   return json;
 }
 
+const char* leaflet_name(int region) { return region == anterior ? "anterior" : "posterior"; }
+
+/// Angles recomputed from the field as it is on disk, against the rule that made it.
+nlohmann::ordered_json fibre_angles(const LeafletMesh& mesh, const Annulus& annulus, const FiberOptions& options) {
+  nlohmann::ordered_json json;
+  if (options.model == FiberModel::none) return json;
+  for (int region : {static_cast<int>(anterior), static_cast<int>(posterior)})
+    json["mean_angle_to_annulus_deg"][leaflet_name(region)] = mean_angle_to_annulus(mesh, annulus, region);
+  json["rules"] = nlohmann::ordered_json::array();
+  for (const RuleDeviation& r : deviation_from_rules(mesh, all_guide_points(mesh, annulus, options)))
+    json["rules"].push_back({{"rule", r.rule}, {"leaflet", leaflet_name(r.region)}, {"points", r.points}, {"mean_deviation_deg", r.mean_deg}, {"max_deviation_deg", r.max_deg}});
+  return json;
+}
+
 }  // namespace
 
 std::string run_gates_stage(const StageContext& context) {
@@ -86,6 +102,8 @@ std::string run_gates_stage(const StageContext& context) {
 
   nlohmann::ordered_json json = to_json(report);
   json["measures"] = measures(mesh, annulus, tube, chordae, source.anterior_direction);
+  if (check_fibers(mesh, fiber_model_from_name(context.config.text("fibers.model"))).passed)
+    json["fibers"] = fibre_angles(mesh, annulus, fiber_options(context.config, chordae));
   write_text_atomically(context.out("quality.json"), json.dump(2) + "\n");
   if (!report.passed()) throw GateError("gates not passed, see quality.json:\n" + report.failures());
   return fmt::format("{} gates passed", report.gates.size());

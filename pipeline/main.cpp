@@ -7,6 +7,7 @@
 #include "pipeline/commands.h"
 #include "pipeline/exit_status.h"
 #include "pipeline/interrupt.h"
+#include "pipeline/layout.h"
 #include "pipeline/source_stage.h"
 #include "pipeline/stage_table.h"
 
@@ -85,6 +86,20 @@ void run(int argc, char** argv) {
   copy->add_option("--space", space, "RAS (as in the case) or LPS (as Slicer and ITK write)")
       ->check(CLI::IsMember({"RAS", "LPS"}));
   copy->callback([&] { start_log(), mv::export_command(options.case_directory, exported, space); });
+
+  mv::LayoutOptions layout;
+  CLI::App* search = app.add_subcommand("layout", "Find chordae with which the valve seals: close it again and again in coarse blood and change the chordae near what is left open");
+  search->alias("calibrate");
+  search->add_option("-c,--config", layout.config, "Configuration (TOML) whose chordae are the start")->required();
+  search->add_option("-o,--output", layout.directory, "Directory for the trials, layout.csv, layout.toml and trials.csv")->required();
+  add_settings(*search, layout.settings);
+  search->add_option("--target", layout.target_area, "Stop when the holes are no larger together, mm2")->check(CLI::NonNegativeNumber)->capture_default_str();
+  search->add_option("--trials", layout.trials, "Closures at most")->check(CLI::Range(1, 1000))->capture_default_str();
+  search->add_option("--fluid", layout.fluid_spacing, "Fluid spacing of the trials; solid points lie half of it apart")->capture_default_str();
+  search->add_option("--time", layout.time_end, "Simulated time of a trial, at most time.end")->capture_default_str();
+  search->add_option("--threads", layout.threads, "Threads of mvsolve")->check(CLI::Range(1, 1024))->capture_default_str();
+  search->add_option("--mvsolve", layout.mvsolve, "Program to close the valve with; default: mvsolve beside mvprep");
+  search->callback([&] { start_log(), mv::layout_command(layout); });
 
   bool only_defaults = false;
   CLI::App* keys = app.add_subcommand("config", "Print every key with unit, default and documentation, as a configuration");

@@ -26,11 +26,11 @@ const std::vector<Stage>& stage_table() {
       {"chordae", "chordae with their insertions",
        {"chordae"}, {"source", "annulus", "mesh"}, {"chordae.vtp"}, run_chordae_stage},
       {"fibers", "collagen directions",
-       {"fibers"}, {"annulus", "mesh"}, {"leaflets.vtu"}, run_fibers_stage},
+       {"fibers"}, {"annulus", "mesh", "chordae"}, {"leaflets.vtu"}, run_fibers_stage},
       {"tube", "blood tube and fluid grid",
        {"tube"}, {"source", "annulus", "mesh"}, {"tube.vtu"}, run_tube_stage},
       {"gates", "checks of everything",
-       {"gates", "mesh.layers", "fibers.model", "fluid.enabled", "tube.spacing", "tube.contain_tips"}, {"source", "annulus", "mesh", "chordae", "fibers", "tube"},
+       {"gates", "mesh.layers", "fibers", "fluid.enabled", "tube.spacing", "tube.contain_tips"}, {"source", "annulus", "mesh", "chordae", "fibers", "tube"},
        {"quality.json"}, run_gates_stage},
   };
   // clang-format on

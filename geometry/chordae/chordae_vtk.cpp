@@ -73,6 +73,26 @@ Thickness find_thickness(vtkFieldData* data, const std::filesystem::path& file) 
 
 }  // namespace
 
+std::vector<std::vector<Vec3>> read_polylines(const std::filesystem::path& file) {
+  vtkSmartPointer<vtkDataSet> data;
+  if (file.extension() == ".vtk")
+    data = read_legacy(file);
+  else
+    data = read_poly_data(file);
+  std::vector<std::vector<Vec3>> out;
+  vtkNew<vtkIdList> ids;
+  for (vtkIdType c = 0; c < data->GetNumberOfCells(); ++c) {
+    if (data->GetCellType(c) != VTK_LINE && data->GetCellType(c) != VTK_POLY_LINE) continue;
+    data->GetCellPoints(c, ids);
+    out.emplace_back();
+    for (vtkIdType k = 0; k < ids->GetNumberOfIds(); ++k) {
+      if (ids->GetId(k) < 0 || ids->GetId(k) >= data->GetNumberOfPoints()) throw InputError(file.string() + ": line " + std::to_string(c) + " names a point that does not exist");
+      out.back().push_back(Vec3::Map(data->GetPoint(ids->GetId(k))));
+    }
+  }
+  return out;
+}
+
 RawChordae read_chordae_vtk(const std::filesystem::path& file, const ChordaeFileOptions& options) {
   NetworkBuilder network(file, options);
   vtkSmartPointer<vtkDataSet> data;

@@ -53,6 +53,8 @@ class NetworkBuilder {
 double area_of_radius(double radius);
 
 RawChordae read_chordae_vtk(const std::filesystem::path& file, const ChordaeFileOptions& options);   // .vtp and .vtk
+/// Every line and polyline as its points, as they stand in the file.
+std::vector<std::vector<Vec3>> read_polylines(const std::filesystem::path& file);
 RawChordae read_chordae_swc(const std::filesystem::path& file, const ChordaeFileOptions& options);
 RawChordae read_chordae_csv(const std::filesystem::path& file, const ChordaeFileOptions& options);
 

@@ -55,7 +55,7 @@ struct SegmentedReport {
 /// `papillary.tips`: one per muscle (any number >= 1). `heads`: more points of muscles (mm), each belonging to the nearest tip.
 /// Throws InputError naming the place (mm) and what to do: a piece without root or without leaflet end, a loose end that is near
 /// neither (NetworkDefects::refuse), a loop when refused, coordinates that cannot belong to this valve (wrong unit or space).
-Chordae attach_chordae(const LeafletMesh& mesh, const Annulus& annulus, const Papillary& papillary, const std::vector<Vec3>& heads,
-                       const RawChordae& raw, const SegmentedOptions& options, SegmentedReport* report = nullptr);
+Chordae attach_chordae(const LeafletMesh& mesh, const Papillary& papillary, const std::vector<Vec3>& heads, const RawChordae& raw,
+                       const SegmentedOptions& options, SegmentedReport* report = nullptr);
 
 }  // namespace mv

@@ -66,7 +66,7 @@ const Row rows[] = {
     {"mesh.order", "integer", "1", "1 .. 2", "1 linear tetrahedra, 2 quadratic (C3D10)"},
     {"mesh.thickness", "length", "1 mm", "0.05 mm .. 10 mm", "leaflet thickness where none is measured"},
 
-    {"chordae.model", "choice generic|none", "generic", "", "chordae tree"},
+    {"chordae.model", "choice generic|density|file|none", "generic", "", "chordae: fixed numbers (generic), by density and branching (density), a segmented network (file), none"},
     {"chordae.primary", "integer", "14", "0 .. 200", "primary chordae, to the free border"},
     {"chordae.secondary", "integer", "8", "0 .. 200", "secondary chordae, to the ventricular face inside the border"},
     {"chordae.slack", "number", "1.0", "0.5 .. 2", "rest length over the distance between the ends"},
@@ -79,6 +79,29 @@ const Row rows[] = {
     {"chordae.coaptation_depth", "length", "5 mm", "0 mm .. 50 mm", "depth below the annulus at which the closed leaflets meet; rest lengths follow from it; scaled with the pattern"},
     {"chordae.removed", "integer[]", "[]", "0 ..", "indices of chordae to leave out, as a rupture"},
 
+    {"chordae.heads", "path", "", "", "CSV of points of the papillary muscles (x_mm,y_mm,z_mm) from which chordae spring, each belonging to the nearest tip; empty: the tips alone (density, file)"},
+
+    {"chordae.file", "path", "", "", "file: segmented network (.vtp, .vtk, .swc, .csv)"},
+    {"chordae.file_unit", "choice mm|cm|m|um", "mm", "", "file: unit of its lengths"},
+    {"chordae.file_space", "choice ras|lps", "ras", "", "file: axes of its coordinates"},
+    {"chordae.file_defects", "choice refuse|drop", "refuse", "", "file: pieces without root or leaflet end and loose ends are an error, or left out with a warning"},
+    {"chordae.file_loops", "choice keep|refuse", "keep", "", "file: loops between chordae carry load like any other, or are an error"},
+    {"chordae.merge_runs", "flag", "true", "", "file: a run of segments without branch becomes one segment of the same length"},
+    {"chordae.end_reach", "length", "3 mm", "0.01 mm .. 50 mm", "file: largest distance of a leaflet end from the middle of the leaflet"},
+    {"chordae.root_reach", "length", "15 mm", "0.01 mm .. 100 mm", "file: largest distance of a root from a papillary tip or head"},
+    {"chordae.gap", "length", "1 mm", "0 mm .. 20 mm", "file: a loose end nearer than this to another piece is joined to it"},
+
+    {"chordae.seed", "integer", "1", "0 .. 2147483647", "density: seed of the random places; the same seed gives the same chordae"},
+    {"chordae.border_density", "number", "2", "0 .. 20", "density: leaflet ends per cm of free border; commissures and notches always have one"},
+    {"chordae.area_density", "number", "0.6", "0 .. 20", "density: secondary ends per cm2 of leaflet between area_from and area_to"},
+    {"chordae.area_from", "number", "0.35", "0 .. 1", "density: secondary ends lie beyond this share of the way from annulus to border"},
+    {"chordae.area_to", "number", "0.8", "0 .. 1", "density: and before this share"},
+    {"chordae.struts", "integer", "2", "0 .. 2", "density: strut chordae in the belly of the anterior leaflet"},
+    {"chordae.branch_levels", "integer", "1", "0 .. 4", "density: how often a border chorda divides in two"},
+    {"chordae.branch_share", "number", "0.6", "0 .. 1", "density: share of the border ends that belong to branched chordae"},
+    {"chordae.branch_angle", "angle", "40 deg", "5 deg .. 150 deg", "density: angle between the two branches"},
+    {"chordae.min_distance", "length?", "auto", "0 mm .. 20 mm", "density: smallest distance between leaflet ends (border ends: along the border); auto: half of what the density gives"},
+
     {"chordae.cut", "integer[]", "[]", "0 ..", "segments (cells of chordae.vtp, columns of chordae.csv, counted from 0) that are cut during the run"},
     {"chordae.cut_time", "time", "0 s", "0 s ..", "time at which they are cut"},
 
@@ -86,7 +109,11 @@ const Row rows[] = {
     {"papillary.move_start", "time", "0 s", "0 s ..", "time at which the papillary tips start to move"},
     {"papillary.move_time", "time", "20 ms", "0 s ..", "duration of their movement, along a cosine; 0 s: at once"},
 
-    {"fibers.model", "choice arc|parallel|none", "arc", "", "collagen fibre directions: arcs from side to side, parallel to the annulus, none (isotropic)"},
+    {"fibers.model", "choice arc|parallel|outline|chordae|none", "arc", "", "collagen fibre directions: arcs from side to side, parallel to the annulus, along outlined curves, from the chordae, none (isotropic)"},
+    {"fibers.guide", "choice shape|chordae", "shape", "", "arc: the guide has a fixed shape on the flat pattern, or joins the left and right groups of each leaflet's chordae ends"},
+    {"fibers.outline", "path", "", "", "outline: curves drawn on the leaflets (.csv x_mm,y_mm,z_mm and curve, .vtp, .mrk.json)"},
+    {"fibers.outline_space", "choice ras|lps", "ras", "", "outline: axes of a .csv or .vtp; .mrk.json says its own"},
+    {"fibers.outline_reach", "length", "3 mm", "0.01 mm .. 50 mm", "outline: largest distance of a drawn point from the leaflet"},
 
     {"tube.length_ventricle", "length", "40 mm", "1 mm .. 500 mm", "length of the blood tube on the ventricular side of the annulus plane"},
     {"tube.length_atrium", "length", "20 mm", "1 mm .. 500 mm", "length of the blood tube on the atrial side"},

@@ -40,7 +40,10 @@ ChordaeTension::ChordaeTension(const Chordae& chordae, int first_free_node, doub
 
 void ChordaeTension::gather(std::span<const double> x, std::span<const Eigen::Vector3d> tips, std::vector<Eigen::Vector3d>& out) const {
   for (std::size_t p = 0; p < out.size(); ++p) {
-    if (muscle_[p] >= 0) out[p] = tips.empty() ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : tips[static_cast<std::size_t>(muscle_[p])];
+    if (muscle_[p] >= 0) {
+      out[p] = tips.empty() ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : tips[static_cast<std::size_t>(muscle_[p])];
+      if (!tips.empty() && !offsets_.empty()) out[p] += offsets_[p];
+    }
     else if (node_[p] >= 0) out[p] = Eigen::Vector3d::Map(x.data() + 3 * node_[p]);
     else out[p].setZero();
   }

@@ -4,7 +4,8 @@
 // Chordae as tension-only linear springs (papers/s0: linear elastic, articulated so that they bear no compression):
 //   T = E A / L0 * max(L - L0, 0).
 // A leaflet end is a point at sum_i w_i x_i of leaflet nodes and hands its force back with the same weights, so that force and
-// moment about the end are preserved; a root is a papillary tip; every other point of the tree is a node of its own.
+// moment about the end are preserved; a root rides on its papillary tip at a fixed offset (roots spread over the muscle); every other point
+// of the tree is a node of its own.
 
 #include <Eigen/Core>
 #include <array>
@@ -19,6 +20,9 @@ class ChordaeTension {
  public:
   /// `chordae` in mm; `first_free_node` is the index of the node that stands for the first branch point; stiffness in Pa.
   ChordaeTension(const Chordae& chordae, int first_free_node, double youngs_modulus);
+
+  /// Offset (m, solver's frame) of every root from its papillary tip; entries of other points are not used. Without a call: zero.
+  void set_root_offsets(std::vector<Eigen::Vector3d> offsets) { offsets_ = std::move(offsets); }
 
   /// Points of the tree that move on their own (neither root nor leaflet end), in the order of their nodes.
   const std::vector<int>& free_points() const { return free_points_; }
@@ -54,6 +58,7 @@ class ChordaeTension {
   };
   std::vector<Segment> segments_;
   std::vector<int> muscle_;            // per point, -1 when not a root
+  std::vector<Eigen::Vector3d> offsets_;  // per point, of roots from their tips; empty: none
   std::vector<int> node_;              // per point: own node or -1
   std::vector<int> free_points_;
   std::vector<Insertion> insertions_;

@@ -9,6 +9,7 @@
 #include "geometry/core/parallel.h"
 #include "geometry/core/version.h"
 #include "solver/output/summary.h"
+#include "solver/report/compare.h"
 #include "solver/report/report.h"
 #include "solver/study/commands.h"
 #include "solver/study/recommended.h"
@@ -63,6 +64,13 @@ int main(int argc, char** argv) {
   CLI::App* report_command = app.add_subcommand("report", "write RESULTS/report.html again from RESULTS alone");
   report_command->add_option("RESULTS", report_results, "results directory")->required();
 
+  mv::CompareOptions compare;
+  CLI::App* compare_command = app.add_subcommand("compare", "named scalars of several results in a table, their closed valves side by side");
+  compare_command->add_option("RESULTS", compare.results, "results directories")->required();
+  compare_command->add_option("-o,--output", compare.output, "directory for compare.csv, compare.md, compare.png")->required();
+  compare_command->add_option("--names", compare.names, "one label a result (default: the directories' names)")->delimiter(',');
+  compare_command->add_option("--quantities", compare.quantities, "names of summary.json, e.g. bulging.volume_ml,seal.hole_area_mm2")->delimiter(',');
+
   std::string command_line = "mvsolve";
   for (int i = 1; i < argc; ++i) command_line += " " + std::string(argv[i]);
   const auto accuracy = mv::add_accuracy_command(app, command_line);
@@ -95,6 +103,8 @@ int main(int argc, char** argv) {
       return static_cast<int>(stability.run());
     } else if (*report_command) {
       std::cout << mv::write_report(report_results).string() << "\n";
+    } else if (*compare_command) {
+      std::cout << mv::compare_results(compare);
     } else if (app.got_subcommand("accuracy")) {
       accuracy();
     } else if (app.got_subcommand("bench")) {

@@ -83,6 +83,10 @@ Structure::Structure(const Scene& scene, double largest_pressure) : has_fluid_(s
   for (const Vec3& tip : scene.papillary.tips) tips_.push_back(to_solver(tip));
   if (scene.has_chordae()) {
     chordae_.emplace(scene.chordae, leaflet_nodes_, config.number("chordae.stiffness"));
+    std::vector<Eigen::Vector3d> offsets(scene.chordae.points.size(), Eigen::Vector3d::Zero());
+    for (std::size_t p = 0; p < offsets.size(); ++p)
+      if (const int muscle = scene.chordae.muscle_of_point[p]; muscle >= 0) offsets[p] = to_solver(scene.chordae.points[p]) - tips_[static_cast<std::size_t>(muscle)];
+    chordae_->set_root_offsets(std::move(offsets));
     // Branch points carry half the mass of the segments that meet there.
     const double density = config.number("chordae.density");
     for (int point : chordae_->free_points()) {
