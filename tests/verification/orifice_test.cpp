@@ -121,24 +121,29 @@ double print(const char* what, const Plate& plate) {
   return n;
 }
 
-// An orifice that faces hold is as wide as it is meant to be, on the average over the holes that a staircase can be asked for; points narrow it by half their kernel.
+// What faces hold acts 0.3 cells narrower, wherever the staircase happens to lie (mean of eight: 0.30 h, 0.24 to 0.37 h).
 TEST(Orifice, faces_narrow_it_by_no_more_than_a_part_of_a_cell) {
   double sum = 0;
   int count = 0;
   for (const double h : {2e-3, 1.6e-3})
     for (const double inner : {11e-3, 12e-3, 12.7e-3, 13.3e-3}) {
       const double n = print("faces", {.h = h, .inner = inner}) / h;
-      EXPECT_LT(std::abs(n), 0.6) << h << " " << inner;
+      EXPECT_LT(std::abs(n), 0.5) << h << " " << inner;
       sum += n;
       ++count;
     }
   std::printf("mean %+.3f h\n", sum / count);
-  EXPECT_LT(std::abs(sum / count), 0.35);
+  EXPECT_LT(std::abs(sum / count), 0.4);
 }
 
+// Points act wider by half their kernel or more. Width and place as at the annulus of the generic valve.
 TEST(Orifice, points_narrow_it_by_more_than_a_cell) {
-  EXPECT_GT(print("points, ib4", {.h = 2e-3, .inner = 12e-3, .hold = Hold::points}), 1.5 * 2e-3);
-  EXPECT_GT(print("points, ib3", {.h = 2e-3, .inner = 12e-3, .hold = Hold::points, .kernel = Kernel::ib3}), 1.0 * 2e-3);
+  for (const Kernel kernel : {Kernel::ib4, Kernel::ib3, Kernel::cbs32}) {
+    const double n = print(kernel == Kernel::ib4 ? "points, ib4" : kernel == Kernel::ib3 ? "points, ib3" : "points, cbs32", {.h = 2e-3, .inner = 14.75e-3, .hold = Hold::points, .kernel = kernel}) / 2e-3;
+    EXPECT_GT(n, 1.2);
+    EXPECT_LT(n, 2.6);
+  }
+  EXPECT_LT(print("faces", {.h = 2e-3, .inner = 14.75e-3}), 0.5 * 2e-3);
 }
 
 TEST(Orifice, DISABLED_refinement) {
