@@ -171,6 +171,7 @@ const Row rows[] = {
 
     {"coupling.scheme", "choice interpolation|drained", "drained", "", "how leaflets and blood are coupled (solver/README.md)"},
     {"coupling.relaxation", "flag", "true", "", "relax distortion shorter than the kernel, which the blood does not see"},
+    {"coupling.annulus", "choice points|faces", "points", "", "how the annulus keeps the blood at rest: by its nodes within their kernels, which narrows the orifice by up to two cells, or by the grid faces that its tissue crosses"},
     {"coupling.drainage_time", "time", "5 ms", "0.5 ms ..", "drained: time in which a blood film as thick as a fluid cell drains between facing leaflets under the peak pressure"},
 
     {"pressure.waveform", "choice systolic|ramp|csv", "systolic", "", "ventricular minus atrial pressure: rise and hold, straight ramp and hold, or a file"},

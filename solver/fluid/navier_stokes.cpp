@@ -295,6 +295,8 @@ void NavierStokes::project(FaceField& field) {
         },
         2);
   }
+  for (std::size_t c = 0; c < 3; ++c)
+    for (const std::ptrdiff_t face : rest_faces_[c]) field.c[c][static_cast<std::size_t>(face)] = 0;
   // A field to be made free of divergence meets resting walls and moves freely through open sides.
   const std::array<std::ptrdiff_t, 3> stride{1, grid_.stride_y(), grid_.stride_z()};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -365,6 +367,12 @@ FlowStepReport NavierStokes::advance(FlowState& state, const FaceField& force, d
     for (std::size_t side = 0; side < 2; ++side)
       if (boundary_.side[axis][side] == BoundaryKind::open) flow_before[axis][side] = open_side_flow(axis, side, true);
 
+  for (std::size_t c = 0; c < 3; ++c) {
+    rest_old_[c].resize(rest_faces_[c].size());
+    rest_removed_[c].resize(rest_faces_[c].size());
+    for (std::size_t q = 0; q < rest_faces_[c].size(); ++q) rest_old_[c][q] = state.velocity.c[c][static_cast<std::size_t>(rest_faces_[c][q])];
+  }
+
   // Predictor: u* = u + dt (3/2 N - 1/2 N_old) + dt/rho (f - grad p), at rest outside the tube.
   fill_pressure_ghosts(state.pressure, state.boundary_pressure);
   const double ratio = state.dt_old > 0 ? 0.5 * dt / state.dt_old : 0.0;
@@ -391,6 +399,12 @@ FlowStepReport NavierStokes::advance(FlowState& state, const FaceField& force, d
         },
         2);
   }
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t q = 0; q < rest_faces_[c].size(); ++q) {
+      double& u = state.velocity.c[c][static_cast<std::size_t>(rest_faces_[c][q])];
+      rest_removed_[c][q] = u;
+      u = 0;
+    }
   impose_inflow(state.velocity);
   apply_velocity_boundary(state.velocity);
   std::swap(state.rate_old, rate_);
@@ -433,6 +447,14 @@ FlowStepReport NavierStokes::advance(FlowState& state, const FaceField& force, d
   fill_pressure_ghosts(increment_, boundary_increment);
   subtract_gradient(increment_, dt * per_density * inverse_h, state.velocity);
   apply_velocity_boundary(state.velocity);
+
+  const double mass = density_ * h * h * h;
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t q = 0; q < rest_faces_[c].size(); ++q) {
+      const double impulse = -mass * rest_removed_[c][q];
+      report.rest_work += 0.5 * impulse * (rest_old_[c][q] + state.velocity.c[c][static_cast<std::size_t>(rest_faces_[c][q])]);
+      report.rest_force[static_cast<Eigen::Index>(c)] += impulse / dt;
+    }
 
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t side = 0; side < 2; ++side)

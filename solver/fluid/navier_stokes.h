@@ -30,12 +30,17 @@ struct FlowState {
   std::array<std::array<double, 2>, 3> boundary_pressure{};  // Pa, that of the last step, as `pressure`
 };
 
+/// Faces of a staggered grid, per component: indices in the padded layout.
+using RestFaces = std::array<std::vector<std::ptrdiff_t>, 3>;
+
 /// What one step did, for the energy budget (J) and the flow.
 struct FlowStepReport {
   double viscous_loss = 0;       // J, dissipated by viscosity
   double advection_loss = 0;     // J, lost by the advection scheme (negative when it gains); transport through open sides excluded
   double pressure_work = 0;      // J, done by the pressures on the open sides
   double boundary_kinetic = 0;   // J, kinetic energy carried in through open sides
+  double rest_work = 0;          // J, done on the blood by what holds the faces at rest
+  Eigen::Vector3d rest_force = Eigen::Vector3d::Zero();  // N, on the blood, of the same
 };
 
 class NavierStokes {
@@ -48,6 +53,10 @@ class NavierStokes {
   /// axis that follows `axis` cyclically running fastest: n[axis+1] * n[axis+2]. Zero before the first call. Work and kinetic energy that enter there are not
   /// in FlowStepReport.
   void set_inflow(std::size_t axis, std::size_t side, std::span<const double> normal_velocity);
+
+  /// Faces of rigid bodies at rest: they carry no flow, like those outside the tube (the pressure increment leaves there only O(dt^2 dp/dt)). Each at most once.
+  void set_rest_faces(RestFaces faces) { rest_faces_ = std::move(faces); }
+  const RestFaces& rest_faces() const { return rest_faces_; }
 
   /// Advances by dt under the force density `force` (N/m3, padded layout) and the boundary pressures (Pa), both constant over the step.
   /// No allocation.
@@ -93,6 +102,8 @@ class NavierStokes {
   FaceField rate_;
   std::vector<double> rhs_;        // unpadded
   std::vector<double> increment_;  // padded pressure increment
+  RestFaces rest_faces_;
+  std::array<std::vector<double>, 3> rest_old_, rest_removed_;  // m/s, velocities of rest_faces_ before the step and before they are stopped
   std::array<std::array<std::vector<double>, 2>, 3> inflow_;  // m/s; empty where no inflow was set
   std::vector<std::array<double, 3>> partial_;  // one a z-slab: sums in fixed order
 };

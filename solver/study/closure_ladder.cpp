@@ -231,6 +231,7 @@ std::vector<Rung> closure_ladder(const LadderOptions& options) {
   vary(h, "step", "step100", "steps to 100 us", {"time.step_max=100 us"});
   vary(h, "kernel", "ib3", "kernel ib3", {"fluid.kernel=ib3"});
   vary(h, "kernel", "cbs32", "kernel cbs32", {"fluid.kernel=cbs32"});
+  vary(h, "coupling", "faces", "annulus held by faces", {"coupling.annulus=faces"});
   vary(h, "coupling", "interpolation", "interpolation, relaxed", {"coupling.scheme=interpolation"});
   vary(h, "coupling", "plain", "interpolation, no relaxation", {"coupling.scheme=interpolation", "coupling.relaxation=false"});
   vary(h, "coupling", "drainage2.5", "drainage in 2.5 ms", {"coupling.drainage_time=2.5 ms"});
@@ -244,6 +245,9 @@ std::vector<Rung> closure_ladder(const LadderOptions& options) {
   for (std::size_t i = 2; i < levels.size(); ++i) {
     mesh_rung("solid spacing", {levels[i], 0.75 * levels[i], 1}, fmt::format("solid spacing {:g} mm at {:g} mm", 0.75 * levels[i], levels[i]));
     vary(levels[i], "kernel", "ib3", "kernel ib3", {"fluid.kernel=ib3"});
+    vary(levels[i], "kernel", "cbs32", "kernel cbs32", {"fluid.kernel=cbs32"});
+    vary(levels[i], "coupling", "faces", "annulus held by faces", {"coupling.annulus=faces"});
+    vary(levels[i], "step", "step100", "steps to 100 us", {"time.step_max=100 us"});
     vary(levels[i], "step", "safety0.9", "time.safety 0.9", {"time.safety=0.9"});
   }
   return rungs;

@@ -41,7 +41,7 @@ std::function<void()> add_accuracy_command(CLI::App& app, const std::string& com
   CLI::App* command = app.add_subcommand("accuracy", "error against run time over ladders of settings, and the settings to use for an asked error");
   LadderOptions& ladder = options->ladder;
   command->add_option("-o,--output", ladder.output, "directory for accuracy.csv, accuracy.html, recommended.toml; runs that are there already are used again")->required();
-  command->add_option("--spacings", ladder.spacings_mm, "fluid spacings of the closure, mm, coarse to fine; the finest is the reference (default 3 2 1.5 1)")->delimiter(',')->check(CLI::Range(0.2, 10.0));
+  command->add_option("--spacings", ladder.spacings_mm, "fluid spacings of the closure, mm, coarse to fine; the finest is the reference (default 2.5 2 1.25 1, which divide the tube's length)")->delimiter(',')->check(CLI::Range(0.2, 10.0));
   command->add_option("--budget", ladder.budget, "seconds for runs that are not there yet; what does not fit is left out (default 1800)")->check(CLI::PositiveNumber);
   command->add_option("--jobs", ladder.jobs, "runs at a time, one thread each (default 1)")->check(CLI::Range(1, 256));
   command->add_option("--end", ladder.end, "simulated time of a closure, s (default 0.15)")->check(CLI::PositiveNumber);

@@ -9,6 +9,7 @@
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
 #include "geometry/core/parallel.h"
+#include "solver/time/annulus_barrier.h"
 #include "solver/time/preflight.h"
 
 namespace mv {
@@ -78,7 +79,8 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)), waveform_(Wavefo
     std::vector<double> volumes = structure_->solid().node_volumes();
     volumes.resize(structure_->is_fixed().size(), 0.0);
     coupling_->set_volumes(std::move(volumes));
-    held_count_ = coupling_->set_held(structure_->rest_positions(), structure_->is_fixed());
+    if (config.text("coupling.annulus") == "faces") fluid_->set_rest_faces(faces_crossed(grid, annulus_barrier(scene_)));
+    else held_count_ = coupling_->set_held(structure_->rest_positions(), structure_->is_fixed());
     if (scene_.has_contact() && config.text("coupling.scheme") == "drained") {
       FilmDrainageOptions options;
       options.drainage_time = config.number("coupling.drainage_time");
@@ -237,6 +239,7 @@ void Simulation::advance(State& state, double dt) {
     times_.coupling += seconds_since(start);
     state.ledger.work_pressure += report.pressure_work;
     state.ledger.boundary_kinetic += report.boundary_kinetic;
+    state.ledger.coupling_loss -= report.rest_work;
     state.ledger.viscous_loss += report.viscous_loss;
     state.ledger.advection_loss += report.advection_loss;
   } else {

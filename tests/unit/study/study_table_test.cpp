@@ -190,6 +190,9 @@ TEST(Ladder, names_are_unique_and_levels_come_first) {
   std::set<std::string> names;
   for (const Rung& rung : rungs) EXPECT_TRUE(names.insert(rung.name).second) << rung.name;
   for (std::size_t i = 0; i < options.spacings_mm.size(); ++i) EXPECT_EQ(rungs[i].axis, "resolution");
+  // Every level has the same tube: 40 and 20 mm (the defaults of tube.length_ventricle and tube.length_atrium) in whole cells.
+  for (double h : options.spacings_mm)
+    for (double length : {40.0, 20.0}) EXPECT_NEAR(length / h, std::round(length / h), 1e-9) << h;
   std::set<std::string> axes;
   for (const Rung& rung : rungs) axes.insert(rung.axis);
   EXPECT_EQ(axes, (std::set<std::string>{"resolution", "solid spacing", "solid order", "step", "kernel", "coupling", "search interval"}));
