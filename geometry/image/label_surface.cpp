@@ -11,13 +11,13 @@
 #include "geometry/core/errors.h"
 #include "geometry/image/distance_map.h"
 #include "geometry/image/flying_edges.h"
-#include "geometry/image/smooth_field.h"
+#include "geometry/image/mask_field.h"
+#include "geometry/image/mesh_smoothing.h"
 
 namespace mv {
 namespace {
 
-constexpr int most_level_steps = 20;
-constexpr double level_accuracy = 1e-4;    // of the volume
+constexpr int offset_steps = 4;
 constexpr double clearance_of_step = 0.05;  // nodes keep this distance from the surface, in units of a grid step
 constexpr double crumb_share = 0.01;       // closed parts below this share of the volume are dropped
 
@@ -49,37 +49,42 @@ void measure(Drawn& drawn) {
   }
 }
 
-Drawn draw(const LabelImage& box, const SmoothField& field, double level) {
+/// The stepped surface, in voxels.
+Drawn draw(const LabelImage& box, const MaskField& field) {
   double step = 1e300;
   for (std::size_t a = 0; a < 3; ++a) step = std::min(step, box.spacing()[static_cast<Eigen::Index>(a)] / field.refined[a]);
-  GridSurface grid = flying_edges(field.size, field.phi, level, clearance_of_step * step);
+  GridSurface grid = flying_edges(field.size, field.phi, 0, clearance_of_step * step);
   const Vec3 voxel_of_node(1.0 / field.refined[0], 1.0 / field.refined[1], 1.0 / field.refined[2]);
   Drawn drawn;
-  for (const Vec3& p : grid.points) drawn.points.push_back(box.world(p.cwiseProduct(voxel_of_node)));
+  for (const Vec3& p : grid.points) drawn.points.push_back(p.cwiseProduct(voxel_of_node));
   drawn.triangles = std::move(grid.triangles);
-  measure(drawn);
-  if (drawn.volume < 0) {
-    for (auto& t : drawn.triangles) std::swap(t[1], t[2]);
-    drawn.volume = -drawn.volume;
-  }
   return drawn;
 }
 
-/// Level whose surface encloses `wanted`, by Newton's method: dV/dlevel = -area; kept inside what has been bracketed.
-double level_of_volume(const LabelImage& box, const SmoothField& field, double wanted) {
-  const double largest = 0.6 * box.spacing().maxCoeff();
-  double low = -largest, high = largest, level = 0;  // the volume falls as the level rises
-  for (int i = 0; i < most_level_steps; ++i) {
-    const Drawn drawn = draw(box, field, level);
-    const double excess = drawn.volume - wanted;
-    if (std::abs(excess) < level_accuracy * wanted) break;
-    (excess > 0 ? low : high) = level;
-    double next = drawn.area > 0 ? level + excess / drawn.area : low;
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (high - low < 1e-6 * largest) break;
-    level = next;
+void to_world(const LabelImage& box, Drawn& drawn) {
+  for (Vec3& p : drawn.points) p = box.world(p);
+  measure(drawn);
+  if (drawn.volume >= 0) return;
+  for (auto& t : drawn.triangles) std::swap(t[1], t[2]);
+  drawn.volume = -drawn.volume;
+}
+
+/// Moves the points along their normals until the volume is `wanted`: dV = area * offset. Returns the offset.
+double keep_volume(Drawn& drawn, double wanted) {
+  double total = 0;
+  for (int i = 0; i < offset_steps && drawn.area > 0; ++i) {
+    const double offset = (wanted - drawn.volume) / drawn.area;
+    std::vector<Vec3> normals(drawn.points.size(), Vec3::Zero());
+    for (const auto& t : drawn.triangles) {
+      const Vec3 n = (drawn.points[static_cast<std::size_t>(t[1])] - drawn.points[static_cast<std::size_t>(t[0])])
+                         .cross(drawn.points[static_cast<std::size_t>(t[2])] - drawn.points[static_cast<std::size_t>(t[0])]);
+      for (int p : t) normals[static_cast<std::size_t>(p)] += n;
+    }
+    for (std::size_t p = 0; p < drawn.points.size(); ++p) drawn.points[p] += offset * normals[p].normalized();
+    measure(drawn);
+    total += offset;
   }
-  return level;
+  return total;
 }
 
 int find_root(std::vector<int>& parent, int i) {
@@ -173,20 +178,6 @@ std::vector<int> regions_of(const Drawn& drawn, const LabelImage& box) {
   return region;
 }
 
-double changed_share(const LabelImage& box, const SmoothField& field, double level) {
-  long changed = 0, leaflet = 0;
-  for (int k = 0; k < box.size[2]; ++k)
-    for (int j = 0; j < box.size[1]; ++j)
-      for (int i = 0; i < box.size[0]; ++i) {
-        const bool was_inside = is_leaflet(box.at(i, j, k));
-        const std::size_t node = (static_cast<std::size_t>(k * field.refined[2]) * static_cast<std::size_t>(field.size[1]) + static_cast<std::size_t>(j * field.refined[1])) *
-                                     static_cast<std::size_t>(field.size[0]) + static_cast<std::size_t>(i * field.refined[0]);
-        leaflet += was_inside;
-        changed += was_inside != (field.phi[node] > level);
-      }
-  return static_cast<double>(changed) / static_cast<double>(leaflet);
-}
-
 }  // namespace
 
 LabelSurface label_surface(const LabelledParts& parts, const LabelSurfaceOptions& options, const std::string& name) {
@@ -194,23 +185,28 @@ LabelSurface label_surface(const LabelledParts& parts, const LabelSurfaceOptions
   Mask mask{box.size, box.spacing(), std::vector<char>(box.values.size())};
   for (std::size_t v = 0; v < box.values.size(); ++v) mask.inside[v] = is_leaflet(box.values[v]);
   const auto voxels = std::count(mask.inside.begin(), mask.inside.end(), 1);
-  const SmoothField field = smooth_field(mask, options.smoothing, options.refine);
-
   LabelSurface surface;
-  surface.iterations = field.iterations;
   surface.voxel_volume = static_cast<double>(voxels) * box.voxel_volume();
-  const double level = level_of_volume(box, field, surface.voxel_volume);
-  surface.level = -level;
-  Drawn drawn = draw(box, field, level);
+  surface.joined = join_diagonals(mask);
+  long filled = 0;
+  if (const int holes = fill_holes(mask, options.hole_radius, &filled); holes > 0) {
+    surface.notes.push_back(fmt::format("{} small holes through the leaflets filled with {} voxels (labels.hole_radius = 0 keeps them)", holes, filled));
+    surface.joined += join_diagonals(mask);
+  }
+  const MaskField field = mask_field(mask);
+  Drawn drawn = draw(box, field);
+  const int refined = *std::max_element(field.refined.begin(), field.refined.end());
+  surface.iterations = smooth_mesh(drawn.points, drawn.triangles, {options.smoothing * refined, options.reach});
+  to_world(box, drawn);
+  surface.offset = keep_volume(drawn, surface.voxel_volume);
   keep_large_parts(drawn, surface);
-  if (drawn.triangles.empty()) throw InputError(name + ": smoothing left nothing of the leaflets; lower labels.smoothing");
+  if (drawn.triangles.empty()) throw InputError(name + ": no closed surface around the leaflets' voxels is found; they are scattered");
   surface.volume = drawn.volume;
   surface.area = drawn.area;
-  surface.changed_share = changed_share(box, field, level);
   const double drift = surface.volume / surface.voxel_volume - 1;
   if (!(std::abs(drift) <= options.volume_tolerance))
     throw GateError(fmt::format("{}: the smooth surface encloses {:.0f} mm3, the labels {:.0f} mm3 ({:+.1f} %, limit {:.0f} %); the leaflets are thin or ragged for "
-                                "their voxels: lower labels.smoothing, or resample the label map finer",
+                                "their voxels: resample the label map finer, or lower labels.smoothing",
                                 name, surface.volume, surface.voxel_volume, 100 * drift, 100 * options.volume_tolerance));
   if (surface.handles > 1)
     surface.notes.push_back(fmt::format("the leaflets have {} handles where a ring has one: {} small holes through them, or bridges between them", surface.handles, surface.handles - 1));

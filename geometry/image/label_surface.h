@@ -13,8 +13,9 @@
 namespace mv {
 
 struct LabelSurfaceOptions {
-  double smoothing = 3;             // voxels, lambda of smooth_field.h
-  int refine = 1;                   // nodes per voxel step of the grid on which the surface is drawn
+  double smoothing = 3;             // voxels, lambda of mesh_smoothing.h
+  double reach = 0.6;               // voxels by which smoothing may move a point
+  double hole_radius = 2;           // voxels: holes through the leaflets up to about twice as wide are filled
   double volume_tolerance = 0.02;   // of the labels' volume
 };
 
@@ -25,16 +26,17 @@ struct LabelSurface {
   double voxel_volume = 0;                    // mm3, of the leaflets' voxels
   double volume = 0;                          // mm3, enclosed
   double area = 0;                            // mm2
-  double level = 0;                           // mm by which the surface was moved outwards to keep the volume
-  double changed_share = 0;                   // of the leaflets' voxels whose centres ended outside, and of centres outside that ended inside
+  double offset = 0;                          // mm by which the smooth surface was moved along its normals to keep the volume
+  long joined = 0;                            // voxels set to join sheets that hung together by edges or corners
   int parts = 0;
   int handles = 0;                            // genus summed over the parts; a ring has 1
   int iterations = 0;
   std::vector<std::string> notes;
 };
 
-/// Smooth field, then the level of it that encloses the volume of the voxels, drawn by flying edges. Throws GateError when the volume cannot
-/// be kept within the tolerance, InputError when nothing is left.
+/// Union of the leaflets' voxels, diagonals joined, zero level of the mask field by flying edges, smoothed along the surface, then moved along its
+/// normals until it encloses the volume of the voxels. Throws GateError when the volume is not kept within the tolerance, InputError when
+/// nothing is left.
 LabelSurface label_surface(const LabelledParts& parts, const LabelSurfaceOptions& options, const std::string& name);
 
 }  // namespace mv
