@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "geometry/core/case.h"
 #include "geometry/loft/penalized_fit.h"
 #include "geometry/loft/spline_basis.h"
 

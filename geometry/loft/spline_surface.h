@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/core/case.h"
 #include "geometry/loft/penalized_fit.h"
 #include "geometry/loft/spline_basis.h"
 
