@@ -23,10 +23,6 @@ constexpr double parallel_angle = 1;    // degrees
 constexpr double pixel_noise = 0.5;     // pixels, of a mask's middle line
 constexpr double outer_share = 1.0 / 3; // of the slices, in which leaflets that meet can be an arch on either side
 
-const char* name_of(SlicePart part) {
-  return part == SlicePart::anterior ? "anterior leaflet" : part == SlicePart::posterior ? "posterior leaflet" : "leaflet";
-}
-
 /// A group of pixels on a square grid fine enough for distances and paths.
 struct FineMask {
   const Slice* slice;
@@ -162,125 +158,181 @@ double thickest(const MaskPaths& paths) {
   return 2 * depth;
 }
 
-/// What one group of pixels gives: a curve, or a point on the annulus only.
-void curve_of_group(const Slice& slice, const PixelMask& group, const PixelMask& contact, LeafletCurve curve, CurveSet& set, const SliceCurveOptions& options) {
-  (void)options;
-  const FineMask fine = refine(slice, group);
-  const MaskPaths& paths = fine.paths;
-  const std::vector<Contact> contacts = contacts_of(slice, group, contact);
-  const double area = area_of(slice, group), pixel = std::max(slice.step_x.norm(), slice.step_y.norm());
-  const auto take = [&](const std::vector<Vec2>& path, CurveEnd end, bool is_hinge_first) {
-    const LeafletCurve made = make_curve(fine, path, area, pixel);
-    curve.points = made.points;
-    curve.thickness = made.thickness;
-    curve.end = end;
-    curve.is_hinge_first = is_hinge_first;
-    set.curves.push_back(curve);
-  };
-  if (contacts.empty()) {
-    const int a = farthest(paths, paths.distances({paths.nearest_inside(Vec2::Zero())}));
-    const int b = farthest(paths, paths.distances({a}));
-    const auto distance = paths.distances({a});
-    if (distance[static_cast<std::size_t>(b)] * fine.cell < shortest_curve) {
-      set.notes.push_back(curve.name + ": no longer than thick; left out");
-      return;
+/// Leaflet of the pixel nearest to x within two pixels; 0 when it has no name.
+int region_at(const Slice& slice, const Vec3& x) {
+  const Vec3 d = x - slice.origin;
+  const double i0 = d.dot(slice.step_x) / slice.step_x.squaredNorm(), j0 = d.dot(slice.step_y) / slice.step_y.squaredNorm();
+  int region = 0;
+  double nearest = HUGE_VAL;
+  for (int j = static_cast<int>(std::lround(j0)) - 2; j <= std::lround(j0) + 2; ++j)
+    for (int i = static_cast<int>(std::lround(i0)) - 2; i <= std::lround(i0) + 2; ++i) {
+      if (i < 0 || j < 0 || i >= slice.width || j >= slice.height) continue;
+      const SlicePart part = slice.at(i, j);
+      const double distance = std::hypot(i - i0, j - j0);
+      if ((part == SlicePart::posterior || part == SlicePart::anterior) && distance < nearest)
+        nearest = distance, region = part == SlicePart::anterior ? anterior : posterior;
     }
-    auto path = paths.extended_end(positions(paths, paths.middle_path(a, b)));
-    path = reversed(paths.extended_end(reversed(path)));
-    take(path, CurveEnd::free_edge, false);
+  return region;
+}
+
+/// The leaflet is that of most points of the half at the hinge, where labels are surest.
+void name_curve(const Slice& slice, LeafletCurve& curve) {
+  curve.point_region.clear();
+  int count[3] = {0, 0, 0};
+  const std::size_t n = curve.points.size(), decisive = curve.is_hinge_first ? (n + 1) / 2 : n;
+  for (std::size_t i = 0; i < n; ++i) {
+    curve.point_region.push_back(region_at(slice, curve.points[i]));
+    if (i < decisive) ++count[curve.point_region.back()];
+  }
+  curve.region = count[posterior] + count[anterior] == 0 ? 0 : count[anterior] > count[posterior] ? anterior : posterior;
+  curve.name = fmt::format("{}, {}", slice.name, curve.region == 0 ? "leaflet" : curve.region == anterior ? "anterior leaflet" : "posterior leaflet");
+}
+
+/// What the curves of one slice are made from.
+struct SliceWork {
+  const Slice& slice;
+  const SliceCurveOptions& options;
+  PixelMask contact;  // leaflet pixels that touch a wall
+  bool may_arch;      // an outer slice: leaflets that meet are one sheet
+  int number;
+  CurveSet& set;
+};
+
+void take(SliceWork& work, const FineMask& fine, const std::vector<Vec2>& path, double area, CurveEnd end, bool is_hinge_first) {
+  LeafletCurve curve = make_curve(fine, path, area, std::max(work.slice.step_x.norm(), work.slice.step_y.norm()));
+  curve.slice = work.number;
+  curve.plane_normal = work.slice.normal();
+  curve.end = end;
+  curve.is_hinge_first = is_hinge_first;
+  name_curve(work.slice, curve);
+  work.set.curves.push_back(curve);
+}
+
+/// Path between the two hinges that lie farthest apart, when the mask does not go on beyond it; else empty.
+std::vector<int> arch_of(const FineMask& fine, const std::vector<int>& starts, int tip) {
+  const MaskPaths& paths = fine.paths;
+  std::size_t a = 0, b = 1;
+  double span = -1;
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    const auto distance = paths.distances({starts[i]});
+    for (std::size_t k = i + 1; k < starts.size(); ++k)
+      if (std::isfinite(distance[static_cast<std::size_t>(starts[k])]) && distance[static_cast<std::size_t>(starts[k])] > span)
+        span = distance[static_cast<std::size_t>(starts[k])], a = i, b = k;
+  }
+  if (span < 3 * thickest(paths)) return {};
+  const auto path = paths.middle_path(starts[a], starts[b]);
+  if (path.empty() || paths.distances(path)[static_cast<std::size_t>(tip)] > thickest(paths)) return {};
+  return path;
+}
+
+void curves_of_group(SliceWork& work, const PixelMask& group, bool may_split);
+
+/// Leaflets that touch each other: each by its own label; without labels the path from hinge to hinge is cut in the middle.
+void split_group(SliceWork& work, const PixelMask& group, const FineMask& fine, const std::vector<int>& arch) {
+  const PixelMask front = mask_of(work.slice, SlicePart::anterior), back = mask_of(work.slice, SlicePart::posterior);
+  PixelMask own[2] = {group, group};
+  bool is_named = true;
+  for (int k = 0; k < 2; ++k) {
+    for (std::size_t p = 0; p < group.size(); ++p) own[k][p] = group[p] && (k == 0 ? back : front)[p];
+    is_named = is_named && std::any_of(own[k].begin(), own[k].end(), [](std::uint8_t x) { return x != 0; });
+  }
+  if (is_named) {
+    for (const PixelMask& mask : own)
+      for (const PixelMask& piece : leaflet_groups(work.slice, mask, work.contact, work.options, work.slice.name, work.set.notes)) curves_of_group(work, piece, false);
+  } else if (arch.size() > 8) {
+    const auto path = positions(fine.paths, arch);
+    const auto middle = static_cast<std::ptrdiff_t>(path.size() / 2);
+    const double area = 0.5 * area_of(work.slice, group);
+    take(work, fine, std::vector<Vec2>(path.begin(), path.begin() + middle), area, CurveEnd::free_edge, true);
+    take(work, fine, reversed(std::vector<Vec2>(path.begin() + middle, path.end())), area, CurveEnd::free_edge, true);
+  }
+}
+
+void curve_without_wall(SliceWork& work, const FineMask& fine, double area) {
+  const MaskPaths& paths = fine.paths;
+  const int a = farthest(paths, paths.distances({paths.nearest_inside(Vec2::Zero())}));
+  const auto distance = paths.distances({a});
+  const int b = farthest(paths, distance);
+  if (distance[static_cast<std::size_t>(b)] * fine.cell < std::max(shortest_curve, 1.5 * thickest(paths) * fine.cell)) {
+    work.set.notes.push_back(work.slice.name + ": a piece no longer than thick was left out");
+    return;
+  }
+  const auto path = paths.extended_end(positions(paths, paths.middle_path(a, b)));
+  take(work, fine, reversed(paths.extended_end(reversed(path))), area, CurveEnd::free_edge, false);
+}
+
+/// What one group of pixels gives: a curve, an arch, two coapting leaflets, or a point on the annulus only.
+void curves_of_group(SliceWork& work, const PixelMask& group, bool may_split) {
+  const FineMask fine = refine(work.slice, group);
+  const MaskPaths& paths = fine.paths;
+  const std::vector<Contact> contacts = contacts_of(work.slice, group, work.contact);
+  const double area = area_of(work.slice, group);
+  if (contacts.empty()) {
+    if (may_split) curve_without_wall(work, fine, area);  // else: the other label's tip
     return;
   }
   std::vector<int> starts, touching;
   for (const Contact& c : contacts) {
     starts.push_back(paths.nearest_inside(fine.to_cells(c.center)));
-    for (const int p : c.pixels) touching.push_back(paths.nearest_inside(fine.to_cells(Vec2(p % slice.width, p / slice.width))));
+    for (const int p : c.pixels) touching.push_back(paths.nearest_inside(fine.to_cells(Vec2(p % work.slice.width, p / work.slice.width))));
   }
   const auto from_contact = paths.distances(touching);
   const int tip = farthest(paths, from_contact);
   const double height = from_contact[static_cast<std::size_t>(tip)] * fine.cell;
-  if (contacts.size() > 1) {
-    // Two hinges: an arch, unless the mask goes on far beyond the line between them.
-    std::size_t other = 1;
+  if (contacts.size() > 1 && may_split) {
+    const auto arch = arch_of(fine, starts, tip);
+    if (!arch.empty() && work.may_arch) return take(work, fine, positions(paths, arch), area, CurveEnd::annulus, true);
     const auto from_first = paths.distances({starts[0]});
-    for (std::size_t k = 1; k < starts.size(); ++k)
-      if (from_first[static_cast<std::size_t>(starts[k])] > from_first[static_cast<std::size_t>(starts[other])]) other = k;
-    const auto path = paths.middle_path(starts[0], starts[other]);
-    const double span = from_first[static_cast<std::size_t>(starts[other])];
-    const double beyond = path.empty() ? HUGE_VAL : paths.distances(path)[static_cast<std::size_t>(tip)];
-    if (!path.empty() && span > 3 * thickest(paths) && beyond < thickest(paths)) {
-      take(positions(paths, path), CurveEnd::annulus, true);
-      return;
-    }
+    const int apart = *std::max_element(starts.begin(), starts.end(), [&](int x, int y) { return from_first[static_cast<std::size_t>(x)] < from_first[static_cast<std::size_t>(y)]; });
+    if (!arch.empty() || from_first[static_cast<std::size_t>(apart)] > 3 * thickest(paths)) return split_group(work, group, fine, arch);
   }
   const Contact& hinge = contacts.front();
   if (height < shortest_curve || height < grazing_share * hinge.length) {
-    const Vec2 c = paths.position(paths.nearest_inside(fine.to_cells(hinge.center)));
-    set.annulus_points.push_back(fine.world(c));
+    work.set.annulus_points.push_back(fine.world(paths.position(starts.front())));
     return;
   }
   const auto path = paths.middle_path(starts.front(), tip);
-  if (path.size() < 4) return;
-  take(paths.extended_end(positions(paths, path)), CurveEnd::free_edge, true);
+  if (path.size() >= 4) take(work, fine, paths.extended_end(positions(paths, path)), area, CurveEnd::free_edge, true);
 }
 
-/// Whether the sheet goes on beyond the curve's end in the other leaflet's pixels.
-bool runs_into(const Slice& slice, const LeafletCurve& curve, SlicePart other, double reach) {
-  const std::size_t n = curve.points.size();
-  if (n < 4) return false;
-  const std::size_t back = std::min<std::size_t>(n - 1, 4);
-  const Vec3 direction = (curve.points[n - 1] - curve.points[n - 1 - back]).normalized();
-  const double pixel = slice.step_x.norm();
-  for (double s = 0.5 * pixel; s <= reach + pixel; s += 0.5 * pixel) {
-    const Vec3 d = curve.points.back() + s * direction - slice.origin;
-    const long i = std::lround(d.dot(slice.step_x) / slice.step_x.squaredNorm()), j = std::lround(d.dot(slice.step_y) / slice.step_y.squaredNorm());
-    if (i < 0 || j < 0 || i >= slice.width || j >= slice.height) return false;
-    if (slice.at(static_cast<int>(i), static_cast<int>(j)) == other) return true;
-  }
-  return false;
+/// Direction in which a curve leaves its end.
+Vec3 end_direction(const LeafletCurve& curve) {
+  const std::size_t n = curve.points.size(), back = std::min<std::size_t>(n - 1, 4);
+  return (curve.points[n - 1] - curve.points[n - 1 - back]).normalized();
 }
 
-void mark_joined(const Slice& slice, CurveSet& set, std::size_t first, const SliceCurveOptions& options) {
+/// A broken arch: ends that point at each other across a short gap.
+void mark_joined(CurveSet& set, std::size_t first, const SliceCurveOptions& options) {
   for (std::size_t i = first; i < set.curves.size(); ++i)
-    for (std::size_t j = first; j < set.curves.size(); ++j) {
+    for (std::size_t j = i + 1; j < set.curves.size(); ++j) {
       LeafletCurve &a = set.curves[i], &b = set.curves[j];
-      if (a.region != posterior || b.region != anterior || a.end == CurveEnd::annulus || b.end == CurveEnd::annulus) continue;
-      if (!a.is_hinge_first || !b.is_hinge_first) continue;
-      const bool meet = runs_into(slice, a, SlicePart::anterior, options.join_gap) || runs_into(slice, b, SlicePart::posterior, options.join_gap);
-      if (meet && (a.points.back() - b.points.back()).norm() < 2 * options.join_gap) a.end = b.end = CurveEnd::joined;
+      if (a.end != CurveEnd::free_edge || b.end != CurveEnd::free_edge || !a.is_hinge_first || !b.is_hinge_first) continue;
+      const Vec3 gap = b.points.back() - a.points.back();
+      if (gap.norm() > options.join_gap + a.thickness.back()) continue;
+      if (gap.norm() < 0.5 || (end_direction(a).dot(gap) > 0.5 * gap.norm() && end_direction(b).dot(-gap) > 0.5 * gap.norm())) a.end = b.end = CurveEnd::joined;
     }
-  // One leaflet's end inside an arch that belongs to the other one's label.
-  for (std::size_t i = first; i < set.curves.size(); ++i) {
-    LeafletCurve& a = set.curves[i];
-    if (a.end != CurveEnd::free_edge || a.region == 0) continue;
-    const bool has_arch = std::any_of(set.curves.begin() + static_cast<std::ptrdiff_t>(first), set.curves.end(),
-                                      [&](const LeafletCurve& b) { return b.end == CurveEnd::annulus && b.region != a.region; });
-    if (has_arch && runs_into(slice, a, a.region == anterior ? SlicePart::posterior : SlicePart::anterior, options.join_gap)) a.end = CurveEnd::joined;
-  }
 }
 
-/// Leaflets that meet are an arch only in an unbroken row of slices from the outermost one, up to a third of all; elsewhere they coapt.
-void undo_coaptation(CurveSet& set, int slices) {
-  std::vector<char> is_open(static_cast<std::size_t>(slices), 0), has_any = is_open;
+/// Slices in which leaflets that meet can be an arch: an unbroken row from the outermost slice with a curve, up to a third of all that have one.
+std::vector<char> outer_slices(const CurveSet& set, int slices) {
+  std::vector<char> is_open(static_cast<std::size_t>(slices), 0), has_any = is_open, may(static_cast<std::size_t>(slices), 0);
   for (const auto& c : set.curves) {
     has_any[static_cast<std::size_t>(c.slice)] = 1;
     if (c.end == CurveEnd::free_edge) is_open[static_cast<std::size_t>(c.slice)] = 1;
   }
-  const auto first = std::find(has_any.begin(), has_any.end(), 1) - has_any.begin();
-  auto last = static_cast<std::ptrdiff_t>(slices) - 1;
-  while (last > first && !has_any[static_cast<std::size_t>(last)]) --last;
-  const double most = outer_share * static_cast<double>(last - first + 1);
-  std::vector<char> may_join(static_cast<std::size_t>(slices), 0);
-  std::ptrdiff_t low = first, high = last;
-  while (low <= last && !is_open[static_cast<std::size_t>(low)]) ++low;
-  while (high >= first && !is_open[static_cast<std::size_t>(high)]) --high;
-  if (static_cast<double>(low - first) <= most)
-    for (auto k = first; k < low; ++k) may_join[static_cast<std::size_t>(k)] = 1;
-  if (static_cast<double>(last - high) <= most)
-    for (auto k = high + 1; k <= last; ++k) may_join[static_cast<std::size_t>(k)] = 1;
-  int undone = 0;
-  for (auto& c : set.curves)
-    if (c.end == CurveEnd::joined && !may_join[static_cast<std::size_t>(c.slice)]) c.end = CurveEnd::free_edge, ++undone;
-  if (undone > 0) set.notes.push_back(fmt::format("the leaflets touch each other in {} slices that are not the outermost: taken as coaptation, their ends as free edge", (undone + 1) / 2));
+  const auto count = static_cast<double>(std::count(has_any.begin(), has_any.end(), 1));
+  for (const bool upwards : {true, false}) {
+    std::vector<std::size_t> row;
+    for (int k = 0; k < slices; ++k) {
+      const auto at = static_cast<std::size_t>(upwards ? k : slices - 1 - k);
+      if (is_open[at]) break;
+      row.push_back(at);
+    }
+    const auto arches = std::count_if(row.begin(), row.end(), [&](std::size_t at) { return has_any[at] != 0; });
+    if (static_cast<double>(arches) <= outer_share * count)
+      for (const std::size_t at : row) may[at] = 1;
+  }
+  return may;
 }
 
 /// Without names and walls: a single curve beyond the slices that show two is an arch.
@@ -323,6 +375,37 @@ void add_muscles(const std::vector<Slice>& slices, CurveSet& set) {
   }
 }
 
+/// Adds what one slice gives; false when it shows no leaflet.
+bool curves_of_slice(const Slice& slice, int number, bool may_arch, const SliceCurveOptions& options, CurveSet& set) {
+  PixelMask mask(slice.parts.size(), 0);
+  for (std::size_t p = 0; p < mask.size(); ++p) {
+    const auto part = static_cast<SlicePart>(slice.parts[p]);
+    mask[p] = part == SlicePart::posterior || part == SlicePart::anterior || part == SlicePart::leaflet;
+  }
+  if (std::none_of(mask.begin(), mask.end(), [](std::uint8_t x) { return x != 0; })) return false;
+  const auto to_atrium = distance_to_mask(slice, mask_of(slice, SlicePart::atrium)), to_ventricle = distance_to_mask(slice, mask_of(slice, SlicePart::ventricle));
+  PixelMask atrial(mask.size()), any(mask.size());
+  for (std::size_t p = 0; p < mask.size(); ++p) {
+    atrial[p] = mask[p] && to_atrium[p] <= options.wall_reach;
+    any[p] = atrial[p] || (mask[p] && to_ventricle[p] <= options.wall_reach);
+  }
+  const std::size_t first = set.curves.size();
+  SliceWork work{slice, options, {}, may_arch, number, set};
+  for (const PixelMask& group : leaflet_groups(slice, mask, any, options, slice.name, set.notes)) {
+    // The body of a leaflet may touch the ventricle's wall, never the atrium's.
+    bool touches_atrium = false;
+    for (std::size_t p = 0; p < group.size(); ++p) touches_atrium = touches_atrium || (group[p] && atrial[p]);
+    work.contact = touches_atrium ? atrial : any;
+    curves_of_group(work, group, true);
+  }
+  int per_leaflet[3] = {0, 0, 0};
+  for (std::size_t i = first; i < set.curves.size(); ++i) ++per_leaflet[set.curves[i].region];
+  for (const int region : {posterior, anterior})
+    if (per_leaflet[region] > 1) set.notes.push_back(fmt::format("{}: the slice cuts the {} leaflet {} times", slice.name, region == anterior ? "anterior" : "posterior", per_leaflet[region]));
+  if (may_arch) mark_joined(set, first, options);
+  return true;
+}
+
 }  // namespace
 
 CurveSet curves_of_slices(std::vector<Slice> slices, const SliceCurveOptions& options) {
@@ -330,45 +413,27 @@ CurveSet curves_of_slices(std::vector<Slice> slices, const SliceCurveOptions& op
   CurveSet set;
   sort_slices(slices, set);
   add_muscles(slices, set);
-  int with_leaflet = 0;
-  for (std::size_t k = 0; k < slices.size(); ++k) {
-    const Slice& slice = slices[k];
-    set.resolution += 0.5 * (slice.step_x.norm() + slice.step_y.norm()) / static_cast<double>(slices.size());
-    const auto to_atrium = distance_to_mask(slice, mask_of(slice, SlicePart::atrium)), to_ventricle = distance_to_mask(slice, mask_of(slice, SlicePart::ventricle));
-    const std::size_t first = set.curves.size(), first_point = set.annulus_points.size();
-    bool is_empty = true;
-    for (const SlicePart part : {SlicePart::posterior, SlicePart::anterior, SlicePart::leaflet}) {
-      const PixelMask mask = mask_of(slice, part);
-      if (std::none_of(mask.begin(), mask.end(), [](std::uint8_t x) { return x != 0; })) continue;
-      is_empty = false;
-      PixelMask atrial(mask.size()), any(mask.size());
-      for (std::size_t p = 0; p < mask.size(); ++p) {
-        atrial[p] = mask[p] && to_atrium[p] <= options.wall_reach;
-        any[p] = atrial[p] || (mask[p] && to_ventricle[p] <= options.wall_reach);
-      }
-      LeafletCurve curve;
-      curve.name = fmt::format("{}, {}", slice.name, name_of(part));
-      curve.region = part == SlicePart::posterior ? posterior : part == SlicePart::anterior ? anterior : 0;
-      curve.slice = static_cast<int>(k);
-      curve.plane_normal = slice.normal();
-      const auto groups = leaflet_groups(slice, mask, any, options, curve.name, set.notes);
-      for (const PixelMask& group : groups) {
-        bool touches_atrium = false;
-        for (std::size_t p = 0; p < group.size(); ++p) touches_atrium = touches_atrium || (group[p] && atrial[p]);
-        curve_of_group(slice, group, touches_atrium ? atrial : any, curve, set, options);
-      }
-      if (groups.size() > 1) set.notes.push_back(fmt::format("{}: the slice cuts it {} times", curve.name, groups.size()));
-    }
-    mark_joined(slice, set, first, options);
-    if (set.curves.size() > first || set.annulus_points.size() > first_point) ++with_leaflet;
-    if (is_empty) set.empty_slices.push_back(slice.world(0.5 * (slice.width - 1), 0.5 * (slice.height - 1)));
+  for (const Slice& slice : slices) set.resolution += 0.5 * (slice.step_x.norm() + slice.step_y.norm()) / static_cast<double>(slices.size());
+  // Once as if every slice were an outer one; then it is known which are.
+  const auto all = static_cast<int>(slices.size());
+  CurveSet trial = set;
+  for (int k = 0; k < all; ++k) curves_of_slice(slices[static_cast<std::size_t>(k)], k, true, options, trial);
+  const std::vector<char> may_arch = outer_slices(trial, all);
+  std::vector<char> meets(slices.size(), 0);
+  for (const auto& c : trial.curves) meets[static_cast<std::size_t>(c.slice)] |= c.end != CurveEnd::free_edge && c.is_hinge_first;
+  int with_leaflet = 0, coapting = 0;
+  for (int k = 0; k < all; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    if (meets[at] && !may_arch[at]) ++coapting;
+    if (curves_of_slice(slices[at], k, may_arch[at] != 0, options, set)) ++with_leaflet;
+    else set.empty_slices.push_back(slices[at].world(0.5 * (slices[at].width - 1), 0.5 * (slices[at].height - 1)));
   }
+  if (coapting > 0) set.notes.push_back(fmt::format("the leaflets touch each other in {} slices that are not the outermost: taken as coaptation, their ends as free edge", coapting));
   if (with_leaflet == 0)
     throw InputError(fmt::format("none of the {} slices shows a leaflet; check the labels (mask: any value but 0 is leaflet), and that the slices cut the valve", slices.size()));
   if (with_leaflet < 3)
     throw InputError(fmt::format("only {} of {} slices shows a leaflet; a surface needs at least 3, better 8 or more", with_leaflet, slices.size()));
-  undo_coaptation(set, static_cast<int>(slices.size()));
-  mark_nameless_arches(set, static_cast<int>(slices.size()));
+  mark_nameless_arches(set, all);
   return set;
 }
 

@@ -16,16 +16,18 @@ struct SliceCurveOptions {
   double join_gap = 2.5;     // mm, leaflets whose ends point at each other across at most this are one sheet at the commissure
 };
 
-/// For each slice and leaflet:
-/// 1. groups of pixels; gaps up to bridge_gap are closed (never between two groups with a hinge each), islands left out, bubbles filled;
+/// For each slice:
+/// 1. groups of leaflet pixels, of either label; gaps up to bridge_gap are closed (never between two groups with a hinge each), islands left out, bubbles filled;
 /// 2. hinge: middle of the contact with the atrium's wall, else the ventricle's; without walls the ends stay unordered (is_hinge_first = false);
 /// 3. end: the point farthest from the hinge along the mask (geodesic);
 /// 4. the cheapest path between them for a cost of 1/depth^2 (depth: distance from the mask's border), so that it follows the middle of the mask;
 ///    cut where it leaves the middle for a corner and drawn straight on to the mask's border;
 /// 5. cubic smoothing spline, weight by the discrepancy principle with half a pixel; thickness = twice the depth, scaled so that thickness x length = area.
-/// A mask with two hinges and nothing beyond the line between them is an arch under a commissure. A mask that touches the wall along most of itself only gives
-/// a point on the annulus. Leaflets that run into each other in the outermost slices are halves of an arch; elsewhere they coapt, and their ends are free.
-/// Slices are sorted along their normal when they are parallel; throws InputError when two of them lie in one place, when all are empty, or only one shows a leaflet.
+/// A curve belongs to the leaflet that most of its half at the hinge is labelled as; its points keep their own labels.
+/// A group with two hinges and nothing beyond the line between them is an arch under a commissure when it lies in the outer slices (an unbroken row of such slices, up to
+/// a third); elsewhere, or with something beyond, the leaflets coapt and are told apart by their labels. A group that touches the wall along most of itself only gives a
+/// point on the annulus.
+/// Slices are sorted along their normal when they are parallel; throws InputError when two of them lie in one place, when all are empty, or fewer than three show a leaflet.
 CurveSet curves_of_slices(std::vector<Slice> slices, const SliceCurveOptions& options = {});
 
 }  // namespace mv

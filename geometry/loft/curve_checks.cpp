@@ -26,10 +26,12 @@ void remove_repeated_points(LeafletCurve& curve, std::vector<std::string>& notes
   LeafletCurve clean = curve;
   clean.points.clear();
   clean.thickness.clear();
+  clean.point_region.clear();
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
     if (!clean.points.empty() && (curve.points[i] - clean.points.back()).norm() < 1e-6) continue;
     clean.points.push_back(curve.points[i]);
     if (!curve.thickness.empty()) clean.thickness.push_back(curve.thickness[i]);
+    if (!curve.point_region.empty()) clean.point_region.push_back(curve.point_region[i]);
   }
   const auto removed = curve.points.size() - clean.points.size();
   if (removed > 0) notes.push_back(fmt::format("{}: {} repeated points removed", curve.name, removed));
@@ -89,6 +91,7 @@ void check_curve(const LeafletCurve& curve) {
 void turn(LeafletCurve& curve) {
   std::reverse(curve.points.begin(), curve.points.end());
   std::reverse(curve.thickness.begin(), curve.thickness.end());
+  std::reverse(curve.point_region.begin(), curve.point_region.end());
 }
 
 double distance_to(const std::vector<Vec3>& points, const Vec3& x) {
@@ -213,11 +216,13 @@ void orient_curves(CurveSet& set, bool is_order_meant) {
 }
 
 void assign_regions(CurveSet& set) {
-  const auto unknown = std::count_if(set.curves.begin(), set.curves.end(), [](const auto& c) { return c.region == 0; });
+  // Arches without a leaflet stay so: their points belong to either side of the commissure.
+  const auto is_one_sided = [](const LeafletCurve& c) { return c.end != CurveEnd::annulus; };
+  const auto count_all = std::count_if(set.curves.begin(), set.curves.end(), is_one_sided);
+  const auto unknown = std::count_if(set.curves.begin(), set.curves.end(), [&](const LeafletCurve& c) { return is_one_sided(c) && c.region == 0; });
   if (unknown == 0) return;
-  if (unknown != static_cast<long>(set.curves.size()))
-    throw InputError(fmt::format("{} of {} curves belong to no leaflet; expected anterior or posterior for all of them, or for none", unknown,
-                                 set.curves.size()));
+  if (unknown != count_all)
+    throw InputError(fmt::format("{} of {} curves belong to no leaflet; expected anterior or posterior for all of them, or for none", unknown, count_all));
   if (set.stack_normal.norm() == 0)
     throw InputError("the curves name no leaflet and do not come from parallel slices; expected anterior or posterior for each curve");
   // Across the slices' common direction within the annulus: the direction in which the hinge points of one slice lie apart.
@@ -228,13 +233,15 @@ void assign_regions(CurveSet& set) {
   for (const auto& c : set.curves) {
     const int k = (c.points.front() - center).dot(side) > 0 ? 1 : 0;
     of_curve.push_back(k);
+    if (!is_one_sided(c)) continue;
     length[k] += length_of(c.points), ++count[k];
   }
   if (count[0] < 3 || count[1] < 3)
     throw InputError(fmt::format("the mask names no leaflet, and its curves fall into sides of {} and {}: expected at least 3 of each leaflet", count[0], count[1]));
   const double mean[2] = {length[0] / count[0], length[1] / count[1]};
   const int front = mean[1] > mean[0] ? 1 : 0;
-  for (std::size_t i = 0; i < set.curves.size(); ++i) set.curves[i].region = of_curve[i] == front ? anterior : posterior;
+  for (std::size_t i = 0; i < set.curves.size(); ++i)
+    if (is_one_sided(set.curves[i])) set.curves[i].region = of_curve[i] == front ? anterior : posterior;
   set.notes.push_back(fmt::format("the mask names no leaflet: the side with the longer curves ({:.1f} mm against {:.1f} mm) was taken as anterior", mean[front],
                                   mean[1 - front]));
 }
@@ -246,7 +253,8 @@ std::vector<std::vector<int>> join_arches(CurveSet& set) {
   for (std::size_t i = 0; i < set.curves.size(); ++i) {
     if (used[i]) continue;
     LeafletCurve curve = set.curves[i];
-    std::vector<int> region(curve.points.size(), curve.region);
+    const auto regions_of = [](const LeafletCurve& c) { return c.point_region.empty() ? std::vector<int>(c.points.size(), c.region) : c.point_region; };
+    std::vector<int> region = regions_of(curve);
     if (curve.end == CurveEnd::joined) {
       std::size_t partner = set.curves.size();
       double best = HUGE_VAL;
@@ -264,7 +272,8 @@ std::vector<std::vector<int>> join_arches(CurveSet& set) {
         if (!curve.thickness.empty() && !other.thickness.empty())
           curve.thickness.insert(curve.thickness.end(), other.thickness.begin(), other.thickness.end());
         else curve.thickness.clear();
-        region.resize(curve.points.size(), other.region);
+        const std::vector<int> more = regions_of(other);
+        region.insert(region.end(), more.begin(), more.end());
         curve.name += " with " + other.name;
         curve.end = CurveEnd::annulus;
       }

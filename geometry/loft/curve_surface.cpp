@@ -137,7 +137,7 @@ void refine_split(const std::vector<CurveData>& curves, double radius, RingSplit
       long wrong = 0;
       for (const auto& c : curves)
         for (std::size_t i = 0; i < c.data.size(); ++i)
-          if (is_in_anterior_sector(s, c.data[i].u / radius) != (c.region[i] == anterior)) ++wrong;
+          if (c.region[i] != 0 && is_in_anterior_sector(s, c.data[i].u / radius) != (c.region[i] == anterior)) ++wrong;
       if (fewest < 0 || wrong < fewest) fewest = wrong, best = last = trial;
       else if (wrong == fewest && trial - last < 0.51 * pi / 180) last = trial;
     }

@@ -22,6 +22,7 @@ struct LeafletCurve {
   int region = 0;                 // Region, 0 = not known
   int slice = -1;                 // index of the slice it was cut from, -1 = none
   std::vector<Vec3> points;       // from the annulus to the end
+  std::vector<int> point_region;  // Region per point where the label changes along the curve; empty: `region` everywhere
   std::vector<double> thickness;  // per point, mm, as seen in the slice; empty: not known
   Vec3 plane_normal = Vec3::Zero();  // unit normal of the slice; zero: not known
   CurveEnd end = CurveEnd::free_edge;
