@@ -19,6 +19,7 @@ namespace {
 constexpr double fine_cells = 4;        // per pixel side
 constexpr double grazing_share = 0.6;   // height over contact length, below which the slice only grazes the sheet
 constexpr double shortest_curve = 2.5;  // mm
+constexpr double wedge_share = 2;       // contact length over thickness, above which the leaflet ends in a wedge along the wall
 constexpr double parallel_angle = 1;    // degrees
 constexpr double pixel_noise = 0.5;     // pixels, of a mask's middle line
 constexpr double outer_share = 1.0 / 3; // of the slices, in which leaflets that meet can be an arch on either side
@@ -208,6 +209,25 @@ void take(SliceWork& work, const FineMask& fine, const std::vector<Vec2>& path, 
   work.set.curves.push_back(curve);
 }
 
+/// Where the leaflet ends at a wall: the middle of the contact, or, when the slice cuts a wedge that runs out along the wall, the cell of the contact that is
+/// farthest from the tip.
+int hinge_cell(const FineMask& fine, const SliceWork& work, const Contact& contact, int tip) {
+  const MaskPaths& paths = fine.paths;
+  const int middle = paths.nearest_inside(fine.to_cells(contact.center));
+  std::vector<double> depths;
+  for (const int c : paths.middle_path(middle, tip)) depths.push_back(paths.depth(c));
+  if (depths.empty()) return middle;
+  std::nth_element(depths.begin(), depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2), depths.end());
+  if (contact.length < wedge_share * 2 * depths[depths.size() / 2] * fine.cell) return middle;
+  const auto from_tip = paths.distances({tip});
+  int best = middle;
+  for (const int p : contact.pixels) {
+    const int c = paths.nearest_inside(fine.to_cells(Vec2(p % work.slice.width, p / work.slice.width)));
+    if (std::isfinite(from_tip[static_cast<std::size_t>(c)]) && from_tip[static_cast<std::size_t>(c)] > from_tip[static_cast<std::size_t>(best)]) best = c;
+  }
+  return best;
+}
+
 /// Path between the two hinges that lie farthest apart, when the mask does not go on beyond it; else empty.
 std::vector<int> arch_of(const FineMask& fine, const std::vector<int>& starts, int tip) {
   const MaskPaths& paths = fine.paths;
@@ -261,6 +281,22 @@ void curve_without_wall(SliceWork& work, const FineMask& fine, double area) {
   take(work, fine, reversed(paths.extended_end(reversed(path))), area, CurveEnd::free_edge, false);
 }
 
+/// The slice cuts the sheet's outermost part only: the annulus enters and leaves at the ends of the contact.
+void graze(SliceWork& work, const FineMask& fine, const Contact& contact) {
+  const Slice& slice = work.slice;
+  const auto pixel = [&](int p) { return Vec2(p % slice.width, p / slice.width); };
+  const auto length = [&](int p, int q) { return (slice.world(pixel(p).x(), pixel(p).y()) - slice.world(pixel(q).x(), pixel(q).y())).norm(); };
+  if (contact.length < shortest_curve) {
+    work.set.annulus_points.push_back(fine.world(fine.to_cells(contact.center)));
+    return;
+  }
+  int a = contact.pixels.front(), b = a;
+  for (const int p : contact.pixels)
+    for (const int q : contact.pixels)
+      if (length(p, q) > length(a, b)) a = p, b = q;
+  for (const int p : {a, b}) work.set.annulus_points.push_back(slice.world(pixel(p).x(), pixel(p).y()));
+}
+
 /// What one group of pixels gives: a curve, an arch, two coapting leaflets, or a point on the annulus only.
 void curves_of_group(SliceWork& work, const PixelMask& group, bool may_split) {
   const FineMask fine = refine(work.slice, group);
@@ -280,6 +316,7 @@ void curves_of_group(SliceWork& work, const PixelMask& group, bool may_split) {
   const int tip = farthest(paths, from_contact);
   const double height = from_contact[static_cast<std::size_t>(tip)] * fine.cell;
   if (contacts.size() > 1 && may_split) {
+    for (std::size_t k = 0; k < contacts.size(); ++k) starts[k] = hinge_cell(fine, work, contacts[k], tip);
     const auto arch = arch_of(fine, starts, tip);
     if (!arch.empty() && work.may_arch) return take(work, fine, positions(paths, arch), area, CurveEnd::annulus, true);
     const auto from_first = paths.distances({starts[0]});
@@ -288,11 +325,15 @@ void curves_of_group(SliceWork& work, const PixelMask& group, bool may_split) {
   }
   const Contact& hinge = contacts.front();
   if (height < shortest_curve || height < grazing_share * hinge.length) {
-    work.set.annulus_points.push_back(fine.world(paths.position(starts.front())));
+    graze(work, fine, hinge);
     return;
   }
-  const auto path = paths.middle_path(starts.front(), tip);
-  if (path.size() >= 4) take(work, fine, paths.extended_end(positions(paths, path)), area, CurveEnd::free_edge, true);
+  const int start = hinge_cell(fine, work, hinge, tip);
+  const auto path = paths.middle_path(start, tip);
+  if (path.size() < 4) return;
+  auto points = paths.extended_end(positions(paths, path));
+  if (start != paths.nearest_inside(fine.to_cells(hinge.center))) points = reversed(paths.extended_end(reversed(points)));
+  take(work, fine, points, area, CurveEnd::free_edge, true);
 }
 
 /// Direction in which a curve leaves its end.
