@@ -5,6 +5,7 @@
 
 #include "geometry/chordae/generic_chordae.h"
 #include "geometry/core/case_files.h"
+#include "pipeline/deck_source.h"
 #include "pipeline/source_file.h"
 
 namespace mv {
@@ -28,7 +29,9 @@ ChordaeOptions options_of(const Config& config, double scale) {
 
 std::string run_chordae_stage(const StageContext& context) {
   Chordae chordae;
-  if (context.config.text("chordae.model") != "none") {
+  if (context.config.text("chordae.model") == "deck") {
+    chordae = make_deck_chordae(context.config, read_leaflets(context.in("leaflets.vtu")));
+  } else if (context.config.text("chordae.model") != "none") {
     const SourceGeometry source = read_source(context.in("mid_surface.vtp"));
     chordae = generic_chordae(read_leaflets(context.in("leaflets.vtu")), read_annulus(context.in("annulus.vtp")),
                               read_papillary(context.in("papillary.vtp")), options_of(context.config, source.scale));

@@ -156,6 +156,31 @@ DeckLines read_deck_lines(const std::filesystem::path& file) {
   return lines;
 }
 
+std::string flattened_deck(const std::filesystem::path& file, int* files) {
+  // Circles and missing files are found by the reader.
+  const DeckLines lines = read_deck_lines(file);
+  if (files) *files = static_cast<int>(lines.files.size());
+  const std::string text = read_file(file);
+  if (lines.files.size() == 1) return text;
+  std::string out, pending;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string raw = text.substr(at, end - at), line = trimmed(raw);
+    at = end + 1;
+    const bool is_include = pending.empty() && is_keyword(line) && deck_name(split(line)[0]) == "*include";
+    if (!is_include && pending.empty()) {
+      out += raw + "\n";
+      continue;
+    }
+    pending += line;
+    if (pending.ends_with(',')) continue;
+    for (const std::string& field : split(std::exchange(pending, "")))
+      if (const auto equals = field.find('='); equals != std::string::npos && deck_name(field.substr(0, equals)) == "input")
+        out += flattened_deck(file.parent_path() / unquoted(trimmed(field.substr(equals + 1)))) + "\n";
+  }
+  return out;
+}
+
 double deck_number(const DeckLines& lines, const DeckPlace& place, const std::string& field, const char* what) {
   std::string text = field;
   for (char& c : text)

@@ -51,6 +51,9 @@ struct DeckLines {
 /// an include that names itself or lies deeper than 16, an option without a name.
 DeckLines read_deck_lines(const std::filesystem::path& file);
 
+/// The deck with every *INCLUDE replaced by the text of its file; `files` receives how many files that are. Throws as read_deck_lines().
+std::string flattened_deck(const std::filesystem::path& file, int* files = nullptr);
+
 /// Lower case, blanks trimmed and squeezed.
 std::string deck_name(const std::string& text);
 

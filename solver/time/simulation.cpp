@@ -244,6 +244,7 @@ void Simulation::advance(State& state, double dt) {
     const auto& masses = structure_->masses();
     const double decay = 1.0 / (1.0 + dt * structural_damping_rate);
     double damped = 0;
+    if (structure_->annulus_motion()) move_annulus(state, dt);
     for (std::size_t i = 0; i < fixed.size(); ++i) {
       if (fixed[i]) continue;
       for (std::size_t a = 3 * i; a < 3 * i + 3; ++a) {
@@ -277,6 +278,24 @@ void Simulation::advance(State& state, double dt) {
       state.closing_volume = state.volume_backward - state.volume_at_closure_start;
     }
   }
+}
+
+void Simulation::move_annulus(State& state, double dt) {
+  const AnnulusMotion& motion = *structure_->annulus_motion();
+  const auto& nodes = motion.nodes();
+  const auto& rest = structure_->rest_positions();
+  double work = 0;
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const std::size_t node = static_cast<std::size_t>(nodes[n]);
+    Eigen::Map<Vec3> x(state.x.data() + 3 * node), v(state.v.data() + 3 * node);
+    const Vec3 moved = Vec3::Map(rest.data() + 3 * node) + motion.displacement(n, state.time + dt);
+    const Vec3 velocity = (moved - x) / dt;
+    // What moves a node works against the forces on it and on its inertia.
+    work += -Vec3::Map(forces_.data() + 3 * node).dot(moved - x) + 0.5 * structure_->masses()[node] * (velocity.squaredNorm() - v.squaredNorm());
+    v = velocity;
+    x = moved;
+  }
+  state.ledger.work_moved += work;
 }
 
 void Simulation::book_unseen_motion(State& state) {

@@ -63,6 +63,8 @@ class Simulation {
  private:
   void advance(State& state, double dt);
   void update_relaxation(State& state);
+  /// Moves held nodes to where the annulus is at the end of the step and books the work.
+  void move_annulus(State& state, double dt);
   /// Books what relaxation and slip, which the blood does not feel, take from the budget.
   void book_unseen_motion(State& state);
   double work_on(const std::vector<double>& shift) const;

@@ -24,8 +24,11 @@ struct PartTimes {
   double sum() const { return fluid + coupling + solid + contact + chordae + step_estimate + output; }
 };
 
-/// Law and parameters of a leaflet ("anterior" or "posterior"). Throws ConfigError.
+/// Law and parameters of a leaflet ("anterior", "posterior", "septal"). Throws ConfigError.
 Material material_of(const Config& config, const std::string& leaflet);
+
+/// Law of the chordae of a leaflet (Region, septal, 0 none). Throws ConfigError.
+ChordaLaw chorda_law_of(const Config& config, int leaflet);
 
 class Structure {
  public:
@@ -49,6 +52,11 @@ class Structure {
   /// out = K v with K = -dF/dx at the x of begin_products(); `shares` receives the parts of v.K.v: tissue, chordae, contact.
   void stiffness_times(std::span<const double> v, std::span<double> out, std::array<double, 3>& shares);
 
+  /// Motion of the annulus, or null when it is fixed.
+  const AnnulusMotion* annulus_motion() const { return annulus_motion_ ? &*annulus_motion_ : nullptr; }
+  /// Share of the mass that mass scaling (time.target_step) added.
+  double added_mass_share() const { return added_mass_share_; }
+
   LeafletSolid& solid() { return *solid_; }
   const LeafletSolid& solid() const { return *solid_; }
   ChordaeTension* chordae() { return chordae_ ? &*chordae_ : nullptr; }
@@ -67,12 +75,15 @@ class Structure {
   std::span<const double> x_of_products_;
   std::vector<double> tissue_forces_;  // at x_of_products_
   void move_boundary(State& state, double dt);
+  void scale_masses(double target_step);
 
   int leaflet_nodes_ = 0;
   std::vector<double> rest_, masses_;
   std::vector<char> is_fixed_;
   std::vector<Eigen::Vector3d> tips_;
   std::optional<BoundaryMotion> motion_;   // only when something moves
+  std::optional<AnnulusMotion> annulus_motion_;
+  double added_mass_share_ = 0;
   std::optional<LeafletSolid> solid_;
   std::optional<ChordaeTension> chordae_;
   ContactSurface surface_;
