@@ -8,7 +8,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "geometry/core/case_files.h"
+#include "geometry/core/packed_file.h"
 
 namespace mv {
 namespace {
@@ -53,7 +53,7 @@ class Reader {
     const std::filesystem::path real = std::filesystem::weakly_canonical(file);
     if (std::find(open_.begin(), open_.end(), real) != open_.end()) out_.fail(includer_, "*INCLUDE of " + file.string() + " goes round in a circle");
     if (open_.size() > deepest_include) out_.fail(includer_, "*INCLUDE is nested deeper than 16 files");
-    const std::string text = read_file(file);
+    const std::string text = read_file_unpacked(file);
     const int index = static_cast<int>(out_.files.size());
     out_.files.push_back(file);
     open_.push_back(real);
@@ -160,7 +160,7 @@ std::string flattened_deck(const std::filesystem::path& file, int* files) {
   // Circles and missing files are found by the reader.
   const DeckLines lines = read_deck_lines(file);
   if (files) *files = static_cast<int>(lines.files.size());
-  const std::string text = read_file(file);
+  const std::string text = read_file_unpacked(file);
   if (lines.files.size() == 1) return text;
   std::string out, pending;
   for (std::size_t at = 0; at < text.size();) {

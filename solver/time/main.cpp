@@ -4,11 +4,13 @@
 #include <csignal>
 #include <iostream>
 
+#include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
 #include "geometry/core/parallel.h"
 #include "geometry/core/version.h"
 #include "solver/output/summary.h"
+#include "solver/report/compare_reference.h"
 #include "solver/report/report.h"
 #include "solver/study/commands.h"
 #include "solver/study/recommended.h"
@@ -63,6 +65,15 @@ int main(int argc, char** argv) {
   CLI::App* report_command = app.add_subcommand("report", "write RESULTS/report.html again from RESULTS alone");
   report_command->add_option("RESULTS", report_results, "results directory")->required();
 
+  std::filesystem::path compare_results, compare_output, reference;
+  mv::ReferenceOptions compare;
+  CLI::App* compare_command = app.add_subcommand("compare-reference", "compare a closed valve with another program's answer: distances, contact, CSV, JSON and a figure");
+  compare_command->add_option("RESULTS", compare_results, "results directory")->required();
+  compare_command->add_option("--reference", reference, "closed leaflets as legacy VTK (.vtk, .vtk.gz), mm")->required();
+  compare_command->add_option("--reference-rest", compare.rest, "the same at rest, to match nodes by their places (default: by order, checked by displacements)");
+  compare_command->add_option("--contact-array", compare.contact_array, "point array of the reference that is above zero in contact (default: the first with 'contact' in its name)");
+  compare_command->add_option("-o,--output", compare_output, "directory of comparison.json, .csv and .png (default: RESULTS)");
+
   std::string command_line = "mvsolve";
   for (int i = 1; i < argc; ++i) command_line += " " + std::string(argv[i]);
   const auto accuracy = mv::add_accuracy_command(app, command_line);
@@ -93,6 +104,11 @@ int main(int argc, char** argv) {
       std::signal(SIGINT, on_interrupt);
       std::signal(SIGTERM, on_interrupt);
       return static_cast<int>(stability.run());
+    } else if (*compare_command) {
+      if (compare_output.empty()) compare_output = compare_results;
+      mv::compare_results_with_reference(compare_results, reference, compare_output, compare);
+      std::cout << mv::read_file(compare_output / "comparison.json");
+      std::cout << "figure = " << (compare_output / "comparison.png").string() << "\n";
     } else if (*report_command) {
       std::cout << mv::write_report(report_results).string() << "\n";
     } else if (app.got_subcommand("accuracy")) {

@@ -1,5 +1,6 @@
 if(TARGET mv_simulation)
-  mv_add_test(unit_time SOURCES unit/time/waveform_test.cpp unit/time/checkpoint_test.cpp unit/chordae/chordae_tension_test.cpp LIBRARIES mv_simulation)
+  mv_add_test(unit_time SOURCES unit/time/waveform_test.cpp unit/time/checkpoint_test.cpp unit/chordae/chordae_tension_test.cpp
+    unit/chordae/chorda_law_test.cpp unit/time/motion_table_test.cpp LIBRARIES mv_simulation)
 endif()
 if(TARGET mvsolve AND TARGET mvprep)
   find_package(nlohmann_json REQUIRED)
