@@ -67,6 +67,32 @@ std::vector<double> arcs(const std::vector<Vec3>& points, const std::vector<int>
 double wrapped(double u, double period) { return u - period * std::floor(u / period); }
 double nearest_shift(double difference, double period) { return period * std::round(difference / period); }
 
+/// Jagged heights would fold triangles that hang between two points of the free edge.
+void smooth(std::vector<std::pair<double, double>>& height) {
+  constexpr int rounds = 10;
+  const std::size_t n = height.size();
+  for (int r = 0; r < rounds; ++r) {
+    const auto before = height;
+    for (std::size_t i = 0; i < n; ++i) height[i].second = 0.25 * before[(i + n - 1) % n].second + 0.5 * before[i].second + 0.25 * before[(i + 1) % n].second;
+  }
+}
+
+/// A triangle with two edges on the border lies flat on it in Tutte's map; its outer corner, which holds nothing else, is drawn out of the line of the other two.
+void lift_ears(const std::vector<std::array<int, 3>>& triangles, const std::vector<int>& edge, const std::vector<std::vector<int>>& neighbours, RingPattern& pattern) {
+  constexpr double lift = 0.25;  // of the edge that the ear stands on
+  const std::set<int> on_edge(edge.begin(), edge.end());
+  for (const auto& t : triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int b = t[k], a = t[(k + 1) % 3], c = t[(k + 2) % 3];
+      if (neighbours[static_cast<std::size_t>(b)].size() != 2 || !on_edge.contains(a) || !on_edge.contains(b) || !on_edge.contains(c)) continue;
+      Vec2& at = pattern.unfolded[static_cast<std::size_t>(b)];
+      Vec2 first = pattern.unfolded[static_cast<std::size_t>(a)], second = pattern.unfolded[static_cast<std::size_t>(c)];
+      for (Vec2* p : {&first, &second}) p->x() += nearest_shift(at.x() - p->x(), pattern.perimeter);
+      const double width = second.x() - first.x(), share = width != 0 ? (at.x() - first.x()) / width : 0.5;
+      at.y() = first.y() + share * (second.y() - first.y()) + lift * (second - first).norm();
+    }
+}
+
 }  // namespace
 
 RingPattern unfold_ring(const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& triangles, const std::vector<int>& annulus, const std::vector<int>& free_edge) {
@@ -130,6 +156,7 @@ RingPattern unfold_ring(const std::vector<Vec3>& points, const std::vector<std::
   std::vector<std::pair<double, double>> height;
   for (const int p : edge) height.emplace_back(u[static_cast<std::size_t>(p)], from_annulus.distance[static_cast<std::size_t>(p)]);
   std::sort(height.begin(), height.end());
+  smooth(height);
   for (std::size_t i = 0; i < n; ++i) {
     const double x = wrapped(u[i], period);
     auto after = std::upper_bound(height.begin(), height.end(), std::pair(x, 1e300));
@@ -138,6 +165,7 @@ RingPattern unfold_ring(const std::vector<Vec3>& points, const std::vector<std::
     const double width = wrapped(right_end.first - left_end.first, period), share = width > 0 ? wrapped(x - left_end.first, period) / width : 0.0;
     pattern.unfolded.emplace_back(x < period ? x : 0.0, v[i] * (left_end.second + share * (right_end.second - left_end.second)));
   }
+  lift_ears(triangles, edge, neighbours, pattern);
   return pattern;
 }
 
