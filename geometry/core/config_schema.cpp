@@ -120,7 +120,7 @@ const Row rows[] = {
     {"gates.max_dihedral", "angle", "170 deg", "60 deg .. 180 deg", "largest dihedral angle a tetrahedron may have"},
     {"gates.max_spacing_ratio", "number", "0.5", "0.05 .. 10", "largest distance of neighbouring solid points over the fluid spacing"},
 
-    {"gates.max_kinetic_share", "number", "0.05", "0 .. 1e9", "structure only: largest kinetic over elastic energy at the end of a run that counts as at rest"},
+    {"gates.max_kinetic_share", "number?", "auto", "0 .. 1e9", "structure only: largest kinetic over elastic energy at the end of a run that counts as at rest; auto: 0.05 with mass scaling (time.target_step), only reported otherwise"},
 
     {"fluid.enabled", "flag", "true", "", "false puts the pressure straight on the ventricular face (structure only)"},
     {"fluid.density", "density", "1060 kg/m3", "1 kg/m3 .. 20000 kg/m3", "density of blood"},
