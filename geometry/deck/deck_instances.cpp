@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <utility>
 
 #include "geometry/core/config.h"  // nearest_name
 #include "geometry/deck/deck_parser.h"
