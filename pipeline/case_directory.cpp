@@ -3,6 +3,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
 #include "geometry/core/version.h"
@@ -34,10 +36,15 @@ struct NamedInput {
 };
 
 /// Reads everything before anything is written, so that a case may be set up from its own copies.
-std::vector<NamedInput> read_inputs(const Config& config, const std::filesystem::path& origin) {
+std::vector<NamedInput> read_inputs(const Config& config, const std::filesystem::path& origin, const std::vector<MadeInput>& made) {
   std::vector<NamedInput> inputs;
+  for (const MadeInput& m : made) {
+    const std::string name = "inputs/" + m.key + m.extension;
+    inputs.push_back({m.key, m.key, m.source, sha256(m.text), Input{name, {{name, m.text}}}});
+  }
   for (const ConfigKey& key : config_schema()) {
     if (key.type != "path" && key.type != "paths") continue;
+    if (std::any_of(made.begin(), made.end(), [&](const MadeInput& m) { return m.key == key.name; })) continue;
     const bool is_list = key.type == "paths";
     const auto sources = is_list ? config.texts(key.name) : std::vector<std::string>{config.text(key.name)};
     for (std::size_t i = 0; i < sources.size(); ++i) {
@@ -64,8 +71,8 @@ std::string list_text(const std::vector<std::string>& texts) {
 }  // namespace
 
 Config set_up_case(const Config& config, const std::filesystem::path& origin, const std::filesystem::path& case_directory,
-                   std::map<std::string, std::string>& inputs) {
-  const std::vector<NamedInput> copies = read_inputs(config, origin);
+                   std::map<std::string, std::string>& inputs, const std::vector<MadeInput>& made) {
+  const std::vector<NamedInput> copies = read_inputs(config, origin, made);
   const std::string origin_hash = std::filesystem::exists(origin) ? sha256_of_file(origin) : "";
 
   make_directory(case_directory);

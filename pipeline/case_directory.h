@@ -9,11 +9,18 @@
 
 namespace mv {
 
+/// A file that a key is to name and that mvprep makes itself, such as a motion table from a deck.
+struct MadeInput {
+  std::string key, extension;  // ".csv"
+  std::string text;
+  std::string source;          // what it was made from, for the provenance
+};
+
 /// Creates the directory if needed, copies every file the configuration names to inputs/KEY.EXT, writes case.toml
 /// (format_version, all values, [provenance]) and returns the configuration as the case holds it. `origin` is the configuration
-/// file. `inputs` receives the hashes. Throws IoError.
+/// file. `inputs` receives the hashes. `made` stands in place of the files that its keys name. Throws IoError.
 Config set_up_case(const Config& config, const std::filesystem::path& origin, const std::filesystem::path& case_directory,
-                   std::map<std::string, std::string>& inputs);
+                   std::map<std::string, std::string>& inputs, const std::vector<MadeInput>& made = {});
 
 /// case.toml of an existing case. Throws IoError when there is none, naming the command that makes one.
 Config read_case_config(const std::filesystem::path& case_directory);

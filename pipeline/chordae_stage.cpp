@@ -10,6 +10,7 @@
 #include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
+#include "pipeline/deck_source.h"
 #include "pipeline/source_file.h"
 
 namespace mv {
@@ -102,7 +103,9 @@ std::string run_chordae_stage(const StageContext& context) {
   const std::string& model = context.config.text("chordae.model");
   Chordae chordae;
   std::string summary;
-  if (model != "none") {
+  if (model == "deck") {
+    chordae = make_deck_chordae(context.config, read_leaflets(context.in("leaflets.vtu")));
+  } else if (model != "none") {
     const SourceGeometry source = read_source(context.in("mid_surface.vtp"));
     const LeafletMesh mesh = read_leaflets(context.in("leaflets.vtu"));
     const Annulus annulus = read_annulus(context.in("annulus.vtp"));

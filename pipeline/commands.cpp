@@ -11,6 +11,7 @@
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
 #include "pipeline/case_directory.h"
+#include "pipeline/deck_settings.h"
 #include "pipeline/export_case.h"
 #include "pipeline/prediction.h"
 #include "pipeline/runner.h"
@@ -74,12 +75,13 @@ void run_command(const RunOptions& options) {
   const Config config = configured(options);
   const std::optional<std::string> from = options.from.empty() ? std::nullopt : std::optional(options.from);
   if (from) find_stage(*from);
+  const DeckSettings deck = deck_settings(config);
   if (options.dry_run) {
-    dry_run(config);
+    dry_run(deck.config);
     return;
   }
   Manifest manifest = read_manifest(options.case_directory);
-  const Config resolved = set_up_case(config, options.config, options.case_directory, manifest.inputs);
+  const Config resolved = set_up_case(deck.config, options.config, options.case_directory, manifest.inputs, deck.made);
   run_all_stages(resolved, options.case_directory, manifest, from, print_stage);
   print("case             " + options.case_directory.string() + "\n");
 }
@@ -92,7 +94,8 @@ void source_command(const std::string& kind, const RunOptions& options) {
   }
   config.set("source.kind=" + kind);
   Manifest manifest = read_manifest(options.case_directory);
-  const Config resolved = set_up_case(config, options.config, options.case_directory, manifest.inputs);
+  const DeckSettings deck = deck_settings(config);
+  const Config resolved = set_up_case(deck.config, options.config, options.case_directory, manifest.inputs, deck.made);
   write_manifest(options.case_directory, manifest, resolved);
   warn_out_of_date(run_one_stage("source", resolved, options.case_directory, print_stage), options.case_directory);
 }

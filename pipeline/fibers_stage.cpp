@@ -6,6 +6,7 @@
 #include "geometry/chordae/outline_file.h"
 #include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
+#include "pipeline/deck_source.h"
 
 namespace mv {
 
@@ -24,6 +25,11 @@ FiberOptions fiber_options(const Config& config, const Chordae& chordae) {
 
 std::string run_fibers_stage(const StageContext& context) {
   LeafletMesh mesh = read_leaflets(context.in("leaflets.vtu"));
+  if (context.config.text("fibers.model") == "source") {
+    take_deck_fibres(context.config, mesh);
+    write_leaflets(context.out("leaflets.vtu"), mesh);
+    return "from the deck's orientations";
+  }
   const Chordae chordae = read_chordae(context.in("chordae.vtp"));
   assign_fibers(mesh, read_annulus(context.in("annulus.vtp")), fiber_options(context.config, chordae));
   write_leaflets(context.out("leaflets.vtu"), mesh);

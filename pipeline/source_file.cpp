@@ -11,6 +11,7 @@
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 
+#include "geometry/core/leaflet_names.h"
 #include "geometry/core/vtk_dataset.h"
 
 namespace mv {
@@ -97,7 +98,7 @@ SourceGeometry read_source(const std::filesystem::path& file) {
   const auto edge = in.integers(Place::points, "free_edge", 0, 1, 1, points);
   surface.on_annulus.assign(annulus.begin(), annulus.end());
   surface.on_free_edge.assign(edge.begin(), edge.end());
-  surface.region = in.integers(Place::cells, "region", Region::posterior, Region::anterior, 1, triangles);
+  surface.region = in.integers(Place::cells, "region", Region::posterior, last_region, 1, triangles);
   in.expect_unit("thickness", "mm");
   if (in.has(Place::points, "thickness")) surface.thickness = in.reals(Place::points, "thickness", 1, points);
   surface.perimeter = in.reals(Place::field, "perimeter", 1, 1)[0];

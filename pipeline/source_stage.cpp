@@ -5,6 +5,7 @@
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
 #include "pipeline/curves_source.h"
+#include "pipeline/deck_source.h"
 #include "pipeline/generic_source.h"
 #include "pipeline/labels_source.h"
 
@@ -15,6 +16,7 @@ const std::vector<SourceKind>& source_kinds() {
       {"generic", "four-semicircle valve on an elliptic or a measured annulus", make_generic_source},
       {"labels", "leaflets, annulus and papillary tips from a NIfTI label map", make_labels_source},
       {"curves", "segmented slices (NIfTI, PNG) or drawn curves (CSV, VTP, Slicer markups)", make_curves_source},
+      {"deck", "leaflets, chordae, motion, laws and pressure of an Abaqus deck", make_deck_source},
   };
   return kinds;
 }

@@ -18,19 +18,15 @@ const std::vector<Stage>& stage_table() {
   // clang-format off
   static const std::vector<Stage> table = {
       {"source", "mid-surface of the leaflets and papillary tips, from what source.kind names",
-<<<<<<< HEAD
-       {"source", "generic", "labels", "patient", "mesh.spacing", "mesh.thickness"}, {}, {"mid_surface.vtp", "papillary.vtp", "source.json"}, run_source_stage},
-=======
-       {"source", "generic", "labels", "curves", "patient", "mesh.spacing", "mesh.thickness"}, {}, {"mid_surface.vtp", "papillary.vtp", "source.json"}, run_source_stage},
->>>>>>> w-curves
+       {"source", "generic", "labels", "curves", "surface", "deck", "patient", "mesh.spacing", "mesh.thickness"}, {}, {"mid_surface.vtp", "papillary.vtp", "source.json"}, run_source_stage},
       {"annulus", "annulus plane and its direction",
        {}, {"source"}, {"annulus.vtp"}, run_annulus_stage},
       {"mesh", "layers of tetrahedra",
        {"mesh"}, {"source"}, {"leaflets.vtu"}, run_mesh_stage},
       {"chordae", "chordae with their insertions",
-       {"chordae"}, {"source", "annulus", "mesh"}, {"chordae.vtp"}, run_chordae_stage},
+       {"chordae", "deck"}, {"source", "annulus", "mesh"}, {"chordae.vtp"}, run_chordae_stage},
       {"fibers", "collagen directions",
-       {"fibers"}, {"annulus", "mesh", "chordae"}, {"leaflets.vtu"}, run_fibers_stage},
+       {"fibers", "deck", "source.kind"}, {"annulus", "mesh", "chordae"}, {"leaflets.vtu"}, run_fibers_stage},
       {"tube", "blood tube and fluid grid",
        {"tube"}, {"source", "annulus", "mesh"}, {"tube.vtu"}, run_tube_stage},
       {"gates", "checks of everything",

@@ -19,6 +19,7 @@
 #include <stdexcept>
 
 #include "geometry/core/errors.h"
+#include "geometry/core/leaflet_names.h"
 #include "geometry/core/vtk_dataset.h"
 
 namespace mv {
@@ -152,7 +153,7 @@ LeafletMesh read_leaflets(const std::filesystem::path& file) {
       tet[static_cast<std::size_t>(i)] = static_cast<int>(ids->GetId(i));
     }
   }
-  mesh.region = in.integers(Place::cells, "region", Region::posterior, Region::anterior, 1, cells);
+  mesh.region = in.integers(Place::cells, "region", Region::posterior, last_region, 1, cells);
   mesh.layer = in.integers(Place::cells, "layer", 0, 1000, 1, cells);
   if (in.has(Place::cells, "fibre")) mesh.fibre = vectors<3>(in.reals(Place::cells, "fibre", 3, cells));
   if (in.has(Place::cells, "sheet_normal")) mesh.sheet_normal = vectors<3>(in.reals(Place::cells, "sheet_normal", 3, cells));
@@ -216,7 +217,7 @@ Chordae read_chordae(const std::filesystem::path& file) {
   chordae.muscle_of_point = in.integers(Place::points, "muscle_of_point", -1, largest_muscle, 1, points);
   const auto kind = in.integers(Place::cells, "kind", 0, static_cast<int>(ChordaKind::marginal), 1, lines);
   const auto muscle = in.integers(Place::cells, "muscle", 0, largest_muscle, 1, lines);
-  const auto leaflet = in.integers(Place::cells, "leaflet", 0, Region::anterior, 1, lines);
+  const auto leaflet = in.integers(Place::cells, "leaflet", 0, last_region, 1, lines);
   const auto rest_length = in.reals(Place::cells, "rest_length", 1, lines);
   const auto area = in.reals(Place::cells, "area", 1, lines);
   vtkNew<vtkIdList> ids;

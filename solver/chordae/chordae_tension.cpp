@@ -2,6 +2,7 @@
 #include "solver/chordae/chordae_tension.h"
 
 #include <algorithm>
+#include <map>
 
 namespace mv {
 
@@ -10,7 +11,10 @@ constexpr double metres_per_mm = 1e-3;
 constexpr double m2_per_mm2 = 1e-6;
 }  // namespace
 
-ChordaeTension::ChordaeTension(const Chordae& chordae, int first_free_node, double youngs_modulus) {
+ChordaeTension::ChordaeTension(const Chordae& chordae, int first_free_node, double youngs_modulus)
+    : ChordaeTension(chordae, first_free_node, [youngs_modulus](int) { return ChordaLaw{.youngs_modulus = youngs_modulus}; }) {}
+
+ChordaeTension::ChordaeTension(const Chordae& chordae, int first_free_node, const std::function<ChordaLaw(int leaflet)>& law_of) {
   const std::size_t points = chordae.points.size();
   muscle_ = chordae.muscle_of_point;
   node_.assign(points, -1);
@@ -24,10 +28,13 @@ ChordaeTension::ChordaeTension(const Chordae& chordae, int first_free_node, doub
       free_points_.push_back(static_cast<int>(p));
     }
   }
+  std::map<int, int> law_of_leaflet;
   for (const ChordaSegment& s : chordae.segments) {
     const double rest = s.rest_length * metres_per_mm;
-    const double stiffness = youngs_modulus * s.area * m2_per_mm2 / rest;
-    segments_.push_back({s.a, s.b, rest, stiffness, stiffness});
+    const double area = s.area * m2_per_mm2;
+    const auto [law, is_new] = law_of_leaflet.try_emplace(s.leaflet, static_cast<int>(laws_.size()));
+    if (is_new) laws_.push_back(law_of(s.leaflet));
+    segments_.push_back({s.a, s.b, rest, area, area, law->second});
     tips = std::max(tips, s.muscle + 1);
   }
   insertions_ = chordae.insertions;
@@ -65,10 +72,11 @@ double ChordaeTension::forces(std::span<const double> x, std::span<const Eigen::
     const Segment& segment = segments_[s];
     const Eigen::Vector3d along = positions_[static_cast<std::size_t>(segment.b)] - positions_[static_cast<std::size_t>(segment.a)];
     const double length = along.norm();
-    const double stretch = length - segment.rest_length;
-    tensions_[s] = stretch > 0 ? segment.stiffness * stretch : 0.0;
-    if (stretch <= 0) continue;
-    energy += 0.5 * segment.stiffness * stretch * stretch;
+    tensions_[s] = 0;
+    if (length <= segment.rest_length) continue;
+    const ChordaResponse response = chorda_response(laws_[static_cast<std::size_t>(segment.law)], length / segment.rest_length);
+    tensions_[s] = segment.area * response.stress;
+    energy += segment.area * segment.rest_length * response.energy;
     const Eigen::Vector3d pull = tensions_[s] / length * along;
     point_forces_[static_cast<std::size_t>(segment.a)] += pull;
     point_forces_[static_cast<std::size_t>(segment.b)] -= pull;
@@ -83,8 +91,9 @@ double ChordaeTension::energy(std::span<const double> x, std::span<const Eigen::
   gather(x, tips, positions_);
   double energy = 0;
   for (const Segment& segment : segments_) {
-    const double stretch = (positions_[static_cast<std::size_t>(segment.b)] - positions_[static_cast<std::size_t>(segment.a)]).norm() - segment.rest_length;
-    if (stretch > 0) energy += 0.5 * segment.stiffness * stretch * stretch;
+    const double length = (positions_[static_cast<std::size_t>(segment.b)] - positions_[static_cast<std::size_t>(segment.a)]).norm();
+    if (length > segment.rest_length)
+      energy += segment.area * segment.rest_length * chorda_response(laws_[static_cast<std::size_t>(segment.law)], length / segment.rest_length).energy;
   }
   return energy;
 }
@@ -92,7 +101,7 @@ double ChordaeTension::energy(std::span<const double> x, std::span<const Eigen::
 void ChordaeTension::set_cut(std::span<const int> segments, bool is_cut) {
   for (int s : segments) {
     Segment& segment = segments_[static_cast<std::size_t>(s)];
-    segment.stiffness = is_cut ? 0.0 : segment.whole;
+    segment.area = is_cut ? 0.0 : segment.whole_area;
   }
 }
 
@@ -108,12 +117,25 @@ void ChordaeTension::stiffness_times(std::span<const double> x, std::span<const 
     const Eigen::Vector3d direction = along / length;
     const Eigen::Vector3d relative = moved_[static_cast<std::size_t>(segment.b)] - moved_[static_cast<std::size_t>(segment.a)];
     const double axial = direction.dot(relative);
-    const double geometric = segment.stiffness * (length - segment.rest_length) / length;
-    const Eigen::Vector3d resistance = segment.stiffness * axial * direction + geometric * (relative - axial * direction);
+    const ChordaResponse response = chorda_response(laws_[static_cast<std::size_t>(segment.law)], length / segment.rest_length);
+    const double geometric = segment.area * response.stress / length;
+    const Eigen::Vector3d resistance = segment.area * response.tangent / segment.rest_length * axial * direction + geometric * (relative - axial * direction);
     point_forces_[static_cast<std::size_t>(segment.b)] += resistance;
     point_forces_[static_cast<std::size_t>(segment.a)] -= resistance;
   }
   scatter(point_forces_, out);
+}
+
+void ChordaeTension::add_rest_stiffness(std::span<double> node_stiffness) const {
+  std::vector<double> at_point(muscle_.size(), 0.0);
+  for (const Segment& s : segments_) {
+    const double k = s.area * chorda_response(laws_[static_cast<std::size_t>(s.law)], 1.0).tangent / s.rest_length;
+    at_point[static_cast<std::size_t>(s.a)] += k;
+    at_point[static_cast<std::size_t>(s.b)] += k;
+  }
+  for (std::size_t p = 0; p < at_point.size(); ++p)
+    if (node_[p] >= 0) node_stiffness[static_cast<std::size_t>(node_[p])] += at_point[p];
+  for (const Insertion& i : insertions_) node_stiffness[static_cast<std::size_t>(i.node)] += i.weight * at_point[static_cast<std::size_t>(i.point)];
 }
 
 void ChordaeTension::point_positions(std::span<const double> x, std::span<const Eigen::Vector3d> tips, std::vector<Eigen::Vector3d>& out) const {

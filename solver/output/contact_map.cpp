@@ -14,6 +14,7 @@
 #include <string>
 #include <utility>
 
+#include "geometry/core/leaflet_names.h"
 #include "geometry/core/unfolded.h"
 #include "solver/output/vtk_helpers.h"
 
@@ -181,7 +182,7 @@ ContactMap read_contact_map(const std::filesystem::path& file) {
   vtkDataArray* gap = data->GetPointData()->GetArray("gap_mm");
   if (gap == nullptr || gap->GetNumberOfComponents() != 1) in.fail("gap_mm", "is missing or not a scalar");
   for (vtkIdType i = 0; i < np; ++i) map.gap.push_back(gap->GetComponent(i, 0));
-  map.region = in.integers(Place::points, "region", posterior, anterior, 1, np);
+  map.region = in.integers(Place::points, "region", posterior, last_region, 1, np);
   map.mesh_point = in.integers(Place::points, "mesh_point", 0, largest, 1, np);
   if (in.has(Place::points, "in_belt")) {
     const std::vector<int> belt = in.integers(Place::points, "in_belt", 0, 1, 1, np);

@@ -15,6 +15,7 @@
 #include <limits>
 #include <string>
 
+#include "geometry/core/leaflet_names.h"
 #include "geometry/core/errors.h"
 #include "solver/output/vtk_helpers.h"
 
@@ -71,7 +72,7 @@ LeafletsFrame read_leaflets_frame(const fs::path& file) {
   mesh.on_annulus = flags(in, "annulus", np);
   mesh.on_free_edge = flags(in, "free_edge", np);
   mesh.side = in.integers(Place::points, "side", ventricular, atrial, 1, np);
-  mesh.region = in.integers(Place::cells, "region", posterior, anterior, 1, nt);
+  mesh.region = in.integers(Place::cells, "region", posterior, last_region, 1, nt);
   mesh.layer = in.integers(Place::cells, "layer", 0, largest, 1, nt);
   const std::vector<double> uv = in.reals(Place::points, "unfolded", 2, np);
   for (std::size_t i = 0; i < uv.size(); i += 2) mesh.unfolded.emplace_back(uv[i], uv[i + 1]);

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "geometry/core/leaflet_names.h"
 
 namespace mv::seal {
 
@@ -16,6 +19,7 @@ constexpr double both_ratio = 1.5;
 
 PlaceNames::PlaceNames(const SealInput& input) : input_(input) {
   if (input.region.empty() || input.unfolded.empty()) return;
+  for (const int region : input.region) has_other_leaflets_ = has_other_leaflets_ || region > anterior;
   for (int r : {static_cast<int>(posterior), static_cast<int>(anterior)}) {
     Leaflet& leaflet = leaflet_[static_cast<std::size_t>(r)];
     leaflet.u_min = 1e300;
@@ -60,7 +64,31 @@ double PlaceNames::position(const Leaflet& leaflet, double u) const {
   return leaflet.reversed ? 1 - share : share;
 }
 
+PlaceName PlaceNames::by_leaflets(const Vec3& world) const {
+  PlaceName out;
+  double first = 1e300, second = 1e300;
+  std::string name, other;
+  for (const NamedRegion& leaflet : leaflet_names) {
+    const Near near = nearest(world, leaflet.region);
+    if (near.distance < first) {
+      second = std::exchange(first, near.distance);
+      other = std::exchange(name, leaflet.name);
+      out.region = leaflet.region;
+      out.u = near.u;
+    } else if (near.distance < second) {
+      second = near.distance;
+      other = leaflet.name;
+    }
+  }
+  if (name.empty()) return out;
+  const bool is_between = second <= both_ratio * first + 1.0;
+  if (is_between && other < name) std::swap(name, other);
+  out.location = is_between ? "between " + name + " and " + other + " leaflet" : name + " leaflet";
+  return out;
+}
+
 PlaceName PlaceNames::at(const Vec3& world) const {
+  if (has_other_leaflets_) return by_leaflets(world);
   PlaceName out;
   std::array<Near, 3> near;
   for (int r : {static_cast<int>(posterior), static_cast<int>(anterior)})

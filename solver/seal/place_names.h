@@ -18,11 +18,13 @@ struct PlaceName {
 };
 
 /// Names need region and unfolded per point. Segments are thirds of a leaflet's u interval; a commissure is its outer tenth.
-/// Segment 1 is the anterolateral end; with an unknown direction segments count along u.
+/// Segment 1 is the anterolateral end; with an unknown direction segments count along u. A valve with a leaflet besides the mitral two gets the names of
+/// its leaflets alone ("between anterior and septal leaflet").
 class PlaceNames {
  public:
   explicit PlaceNames(const SealInput& input);
   PlaceName at(const Vec3& world) const;
+
 
  private:
   struct Leaflet {
@@ -35,10 +37,12 @@ class PlaceNames {
     double u = 0;
   };
   Near nearest(const Vec3& world, int region) const;
+  PlaceName by_leaflets(const Vec3& world) const;
   double position(const Leaflet& leaflet, double u) const;  // 0 anterolateral to 1 posteromedial
 
   const SealInput& input_;
   bool oriented_ = false;
+  bool has_other_leaflets_ = false;
   std::array<Leaflet, 3> leaflet_;  // by Region
 };
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "geometry/core/errors.h"
+#include "geometry/core/leaflet_names.h"
 #include "geometry/core/parallel.h"
 #include "solver/solid/element_kernel.h"
 
@@ -87,7 +88,9 @@ SolidMesh to_solid_mesh(const LeafletMesh& leaflets) {
   for (std::size_t e = 0; e < leaflets.tets.size(); ++e) {
     for (int a = 0; a < mesh.nodes_per_tet; ++a) mesh.tets.push_back(leaflets.tets[e][a]);
     for (int i = 0; i < 3; ++i) mesh.fibres.push_back(leaflets.fibre[e][i]);
-    mesh.material.push_back(leaflets.region[e] == Region::anterior ? 0 : 1);
+    const auto leaflet = std::find_if(leaflet_names.begin(), leaflet_names.end(), [&](const NamedRegion& n) { return n.region == leaflets.region[e]; });
+    if (leaflet == leaflet_names.end()) throw InputError("leaflet element " + std::to_string(e) + " belongs to leaflet " + std::to_string(leaflets.region[e]) + ", which has no name");
+    mesh.material.push_back(static_cast<int>(leaflet - leaflet_names.begin()));
   }
   return mesh;
 }

@@ -25,7 +25,7 @@ struct SolidMesh {
   std::vector<int> material;    // index into the materials, one an element
 };
 
-/// mm to m; material 0 for the anterior leaflet, 1 for the posterior.
+/// mm to m; materials in the order of leaflet_names: 0 for the anterior leaflet, 1 for the posterior, 2 for the septal. Throws InputError for another region.
 SolidMesh to_solid_mesh(const LeafletMesh& mesh);
 
 struct SolidStatistics {

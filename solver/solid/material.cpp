@@ -13,12 +13,13 @@ using namespace solid_kernel;
 
 namespace {
 
-constexpr std::array<std::pair<Law, const char*>, 6> law_names{{{Law::m1, "m1"},
+constexpr std::array<std::pair<Law, const char*>, 7> law_names{{{Law::m1, "m1"},
                                                                 {Law::ogden, "ogden"},
                                                                 {Law::hgo, "hgo"},
                                                                 {Law::neo_hookean, "neo_hookean"},
                                                                 {Law::m2, "m2"},
-                                                                {Law::m3, "m3"}}};
+                                                                {Law::m3, "m3"},
+                                                                {Law::isotropic_exponential, "isotropic_exponential"}}};
 
 Tensor<double> tensor(const Mat3& F) {
   Tensor<double> t;
@@ -51,6 +52,8 @@ LawConstants law_constants(const Material& m) {
     case Law::m1: k.c = m.m1_c, k.a = m.m1_a, k.b = m.m1_b, k.k1 = 0, k.k4 = 1; break;
     case Law::hgo: k.c = m.hgo_c10, k.a = m.hgo_k1, k.b = m.hgo_k2, k.k1 = m.hgo_kappa, k.k4 = 1 - 3 * m.hgo_kappa; break;
     case Law::neo_hookean: k.c = m.neo_mu / 2; break;
+    // c1/2 (exp(c2 i^2) - 1) = a/(2b) (exp(b i^2) - 1) with b = c2, a = c1 c2, i = I1b - 3 >= 0.
+    case Law::isotropic_exponential: k.c = m.iso_c0 / 2, k.a = m.iso_c1 * m.iso_c2, k.b = m.iso_c2, k.k1 = 1, k.k4 = 0; break;
     case Law::m2: k.form = Form::m2, k.c0 = m.m2_c0, k.c1 = m.m2_c1, k.c2 = m.m2_c2; break;
     case Law::m3: k.form = Form::m3, k.c0 = m.m3_c0, k.c1 = m.m3_c1, k.c2 = m.m3_c2; break;
     case Law::ogden:
@@ -98,6 +101,7 @@ double ground_shear_modulus(const Material& material) {
     case Law::hgo: return 2 * material.hgo_c10;
     case Law::neo_hookean: return material.neo_mu;
     case Law::ogden: return material.ogden_mu[0] + material.ogden_mu[1] + material.ogden_mu[2];
+    case Law::isotropic_exponential: return material.iso_c0;
     case Law::m2:
     case Law::m3: return 0;
   }
@@ -127,6 +131,11 @@ std::vector<std::string> defects(const Material& m) {
       require(m.hgo_kappa >= 0 && m.hgo_kappa <= 1.0 / 3 + 1e-12, "hgo_kappa must be in [0, 1/3]");
       break;
     case Law::neo_hookean: require(m.neo_mu > 0, "neo_mu must be positive"); break;
+    case Law::isotropic_exponential:
+      require(m.iso_c0 > 0, "iso_c0 must be positive");
+      require(m.iso_c1 >= 0, "iso_c1 must not be negative");
+      require(m.iso_c2 > 0, "iso_c2 must be positive");
+      break;
     case Law::m2:
       require(m.m2_c0 > 0 && m.m2_c1 >= 0 && m.m2_c2 >= 0, "m2_c0 must be positive, m2_c1 and m2_c2 not negative");
       break;
@@ -161,7 +170,7 @@ std::vector<std::string> warnings(const Material& m) {
 Law law_from_name(const std::string& name) {
   for (const auto& [law, text] : law_names)
     if (name == text) return law;
-  throw ConfigError("unknown leaflet law \"" + name + "\"; known: m1, ogden, hgo, neo_hookean, m2, m3");
+  throw ConfigError("unknown leaflet law \"" + name + "\"; known: m1, ogden, hgo, neo_hookean, m2, m3, isotropic_exponential");
 }
 
 std::string name_of(Law law) {

@@ -18,7 +18,7 @@
 
 namespace mv {
 
-enum class Law { m1, ogden, hgo, neo_hookean, m2, m3 };
+enum class Law { m1, ogden, hgo, neo_hookean, m2, m3, isotropic_exponential };
 
 /// Below this J the volumetric factors are continued smoothly, so that a nearly flat or inverted element is pushed back.
 inline constexpr double volume_floor = 0.4;
@@ -50,6 +50,10 @@ struct Material {
   double m2_c0 = 7.69e3, m2_c1 = 69.42, m2_c2 = 0.0008;
   // M3 (s4 eq. 9): c0 (exp(c1 (I1b - 3)^2 + c2 (I4b* - 1)^2) - 1)
   double m3_c0 = 0.29e3, m3_c1 = 0.47, m3_c2 = 55.39;
+
+  // Isotropic exponential (Mathur et al. 2022; Lee et al. 2014): c0/2 (I1b - 3) + c1/2 (exp(c2 (I1b - 3)^2) - 1). Ground shear modulus c0.
+  // Defaults: their tricuspid valve, anterior leaflet.
+  double iso_c0 = 1e3, iso_c1 = 124, iso_c2 = 4.568;
 
   // Exponents are followed up to this value; above it the law continues with the tangent reached there, which bounds the
   // stiffness. M1 anterior reaches 4 at a fibre stretch of 1.126 and 1.2 MPa; the largest fibre stress printed in s1 and s4 is
@@ -92,7 +96,7 @@ std::vector<std::string> defects(const Material& material);
 /// incompressible tension, stress no longer rising) at a nominal strain below distortion_strain, with the strain.
 std::vector<std::string> warnings(const Material& material);
 
-/// "m1", "ogden", "hgo", "neo_hookean", "m2", "m3". Throws ConfigError for another name.
+/// "m1", "ogden", "hgo", "neo_hookean", "m2", "m3", "isotropic_exponential". Throws ConfigError for another name.
 Law law_from_name(const std::string& name);
 std::string name_of(Law law);
 

@@ -4,12 +4,14 @@
 #include <csignal>
 #include <iostream>
 
+#include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
 #include "geometry/core/parallel.h"
 #include "geometry/core/version.h"
 #include "solver/output/summary.h"
 #include "solver/report/compare.h"
+#include "solver/report/compare_reference.h"
 #include "solver/report/report.h"
 #include "solver/study/commands.h"
 #include "solver/study/recommended.h"
@@ -70,6 +72,14 @@ int main(int argc, char** argv) {
   compare_command->add_option("-o,--output", compare.output, "directory for compare.csv, compare.md, compare.png")->required();
   compare_command->add_option("--names", compare.names, "one label a result (default: the directories' names)")->delimiter(',');
   compare_command->add_option("--quantities", compare.quantities, "names of summary.json, e.g. bulging.volume_ml,seal.hole_area_mm2")->delimiter(',');
+  std::filesystem::path reference_results, reference_output, reference;
+  mv::ReferenceOptions reference_options;
+  CLI::App* reference_command = app.add_subcommand("compare-reference", "compare a closed valve with another program's answer: distances, contact, CSV, JSON and a figure");
+  reference_command->add_option("RESULTS", reference_results, "results directory")->required();
+  reference_command->add_option("--reference", reference, "closed leaflets as legacy VTK (.vtk, .vtk.gz), mm")->required();
+  reference_command->add_option("--reference-rest", reference_options.rest, "the same at rest, to match nodes by their places (default: by order, checked by displacements)");
+  reference_command->add_option("--contact-array", reference_options.contact_array, "point array of the reference that is above zero in contact (default: the first with 'contact' in its name)");
+  reference_command->add_option("-o,--output", reference_output, "directory of comparison.json, .csv and .png (default: RESULTS)");
 
   std::string command_line = "mvsolve";
   for (int i = 1; i < argc; ++i) command_line += " " + std::string(argv[i]);
@@ -101,6 +111,11 @@ int main(int argc, char** argv) {
       std::signal(SIGINT, on_interrupt);
       std::signal(SIGTERM, on_interrupt);
       return static_cast<int>(stability.run());
+    } else if (*reference_command) {
+      if (reference_output.empty()) reference_output = reference_results;
+      mv::compare_results_with_reference(reference_results, reference, reference_output, reference_options);
+      std::cout << mv::read_file(reference_output / "comparison.json");
+      std::cout << "figure = " << (reference_output / "comparison.png").string() << "\n";
     } else if (*report_command) {
       std::cout << mv::write_report(report_results).string() << "\n";
     } else if (*compare_command) {

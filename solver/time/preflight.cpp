@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "geometry/core/errors.h"
+#include "geometry/core/leaflet_names.h"
 #include "geometry/core/log.h"
 #include "solver/contact/intersection.h"
 #include "solver/output/contact_map.h"
@@ -38,7 +39,8 @@ double poisson_ratio(double bulk, double shear) { return (3 * bulk - 2 * shear) 
 
 void check_tissue(const Scene& scene, double largest_pressure) {
   const Config& config = scene.config;
-  for (const char* leaflet : {"anterior", "posterior"}) {
+  for (const auto& [region, leaflet] : leaflet_names) {
+    if (region == septal && !has_other_leaflets(scene.mesh)) continue;
     const Material material = material_of(config, leaflet);
     const double shear = ground_shear_modulus(material);
     const double nu = poisson_ratio(material.bulk, shear);

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "geometry/core/errors.h"
+#include "geometry/core/leaflet_names.h"
 #include "geometry/core/log.h"
 #include "solver/contact/leaflet_contact.h"
 #include "solver/output/contact_map.h"
@@ -18,6 +19,12 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 constexpr double metres_per_mm = 1e-3;
 // Range of the penalty over the fluid spacing, unless set.
 constexpr double range_share = 0.5;
+// The isotropic law stiffens by the whole strain and not along one direction: its exponents grow to 5 in a loaded valve, where fibres stay below 4.
+constexpr double isotropic_exponent_limit = 10;
+// The annulus' nodes lie on both faces of the leaflet; this far from the moving curve a file belongs to something else.
+constexpr double annulus_reach_mm = 3;
+// 1/s, without blood: brings motion to rest within a beat when there is no pressure to speak of.
+constexpr double damping_rate_least = 300;
 
 }  // namespace
 
@@ -45,6 +52,11 @@ Material material_of(const Config& config, const std::string& leaflet) {
   // stress over the bulk modulus, which the interpolated velocity does not resist below the width of its kernel.
   m.has_modified_fibre_invariant = true;
   m.neo_mu = config.number(at + "neo_mu");
+  m.iso_c0 = config.number(at + "iso_c0");
+  m.iso_c1 = config.number(at + "iso_c1");
+  m.iso_c2 = config.number(at + "iso_c2");
+  if (!config.is_auto("leaflet.exponent_limit")) m.exponent_limit = config.number("leaflet.exponent_limit");
+  else if (m.law == Law::isotropic_exponential) m.exponent_limit = isotropic_exponent_limit;
   if (!config.is_auto("leaflet.poisson_ratio")) {
     const double nu = config.number("leaflet.poisson_ratio"), shear = ground_shear_modulus(m);
     if (!(shear > 0)) throw ConfigError(at + "law has no shear modulus at rest from which leaflet.poisson_ratio could make a volumetric stiffness; set leaflet.bulk");
@@ -60,6 +72,26 @@ Material material_of(const Config& config, const std::string& leaflet) {
   return m;
 }
 
+ChordaLaw chorda_law_of(const Config& config, int leaflet) {
+  ChordaLaw law;
+  law.youngs_modulus = config.number("chordae.stiffness");
+  if (config.text("chordae.law") == "linear") return law;
+  law.is_ogden = true;
+  // A chorda that holds both leaflets or none that is known takes the anterior leaflet's law.
+  const std::string name = leaflet_name(leaflet).empty() ? "anterior" : leaflet_name(leaflet);
+  const std::string at = "chordae." + name + ".";
+  const auto& mu = config.numbers(at + "ogden_mu");
+  const auto& alpha = config.numbers(at + "ogden_alpha");
+  if (mu.size() != 3 || alpha.size() != 3) throw ConfigError(at + "ogden_mu and ogden_alpha: three values each were expected (0 leaves a term out)");
+  for (std::size_t i = 0; i < 3; ++i) {
+    law.mu[i] = mu[i];
+    law.alpha[i] = alpha[i];
+  }
+  for (const std::string& defect : defects(law)) throw ConfigError(at + "ogden_mu, ogden_alpha: " + defect);
+  limit_stiffening(law);
+  return law;
+}
+
 Structure::Structure(const Scene& scene, double largest_pressure) : has_fluid_(scene.has_fluid()) {
   const Config& config = scene.config;
   const LeafletMesh& mesh = scene.mesh;
@@ -72,9 +104,13 @@ Structure::Structure(const Scene& scene, double largest_pressure) : has_fluid_(s
   const bool has_fibres = config.text("fibers.model") != "none";
   for (std::size_t e = 0; e < mesh.tets.size(); ++e) Vec3::Map(solid.fibres.data() + 3 * e) = has_fibres ? Vec3(scene.tube.axes * mesh.fibre[e]) : Vec3::UnitX();
   rest_ = solid.points;
-  for (const char* leaflet : {"anterior", "posterior"})
-    for (const std::string& warning : warnings(material_of(config, leaflet))) spdlog::warn("leaflet.{}: {}", leaflet, warning);
-  solid_.emplace(solid, std::vector<Material>{material_of(config, "anterior"), material_of(config, "posterior")});
+  std::vector<Material> materials;
+  for (const NamedRegion& leaflet : leaflet_names) {
+    if (leaflet.region == septal && !has_other_leaflets(mesh)) continue;
+    materials.push_back(material_of(config, leaflet.name));
+    for (const std::string& warning : warnings(materials.back())) spdlog::warn("leaflet.{}: {}", leaflet.name, warning);
+  }
+  solid_.emplace(solid, materials);
   masses_ = solid_->node_masses();
   is_fixed_.assign(mesh.on_annulus.begin(), mesh.on_annulus.end());
   const auto& volumes = solid_->node_volumes();
@@ -82,7 +118,7 @@ Structure::Structure(const Scene& scene, double largest_pressure) : has_fluid_(s
 
   for (const Vec3& tip : scene.papillary.tips) tips_.push_back(to_solver(tip));
   if (scene.has_chordae()) {
-    chordae_.emplace(scene.chordae, leaflet_nodes_, config.number("chordae.stiffness"));
+    chordae_.emplace(scene.chordae, leaflet_nodes_, [&](int leaflet) { return chorda_law_of(config, leaflet); });
     std::vector<Eigen::Vector3d> offsets(scene.chordae.points.size(), Eigen::Vector3d::Zero());
     for (std::size_t p = 0; p < offsets.size(); ++p)
       if (const int muscle = scene.chordae.muscle_of_point[p]; muscle >= 0) offsets[p] = to_solver(scene.chordae.points[p]) - tips_[static_cast<std::size_t>(muscle)];
@@ -100,6 +136,13 @@ Structure::Structure(const Scene& scene, double largest_pressure) : has_fluid_(s
     }
   }
 
+  if (!config.text("annulus.motion").empty()) {
+    if (has_fluid_) throw ConfigError("annulus.motion: with blood the annulus is held; set fluid.enabled = false to move it");
+    const auto file = config.path("annulus.motion");
+    annulus_motion_.emplace(MotionTable::read(file), mesh, scene.tube, annulus_reach_mm, file.string());
+  }
+  if (!has_fluid_ && !config.is_auto("time.target_step")) scale_masses(config.number("time.target_step"));
+
   if (chordae_) {
     BoundaryMotion motion(config, scene.chordae, scene.tube, tips_);
     if (motion.is_active()) motion_.emplace(std::move(motion));
@@ -107,6 +150,8 @@ Structure::Structure(const Scene& scene, double largest_pressure) : has_fluid_(s
 
   ventricular_faces_ = faces_on_side(mesh, ventricular).triangles;
   atrial_faces_ = faces_on_side(mesh, atrial).triangles;
+
+  if (!has_fluid_) stand_in_for_blood(config, largest_pressure);
 
   if (scene.has_contact()) {
     const std::span<const double> leaflet_rest(rest_.data(), 3 * mesh.points.size());
@@ -122,6 +167,48 @@ Structure::Structure(const Scene& scene, double largest_pressure) : has_fluid_(s
     contact_ = std::make_unique<SelfContact>(surface_, options);
     hinge_distances_ = rest_distances_to(surface_, is_fixed_);
   }
+}
+
+/// Masses such that `target_step` is stable for each element and each chorda alone at rest. Of an element with the critical step s every node's mass grows by
+/// (target / s)^2; a node that holds chordae of stiffness k needs target^2 k / 2 for each (ends 2 k / m at most).
+void Structure::scale_masses(double target_step) {
+  const double before = std::accumulate(masses_.begin(), masses_.end(), 0.0);
+  const SolidMesh& mesh = solid_->mesh();
+  const std::size_t corners = static_cast<std::size_t>(mesh.nodes_per_tet);
+  std::vector<double> steps(static_cast<std::size_t>(solid_->element_count()));
+  solid_->critical_step(std::span<const double>(rest_.data(), 3 * static_cast<std::size_t>(leaflet_nodes_)), steps);
+  std::vector<double> factor(masses_.size(), 1.0);
+  for (std::size_t e = 0; e < steps.size(); ++e)
+    for (std::size_t c = 0; c < corners; ++c) {
+      double& f = factor[static_cast<std::size_t>(mesh.tets[e * corners + c])];
+      f = std::max(f, std::pow(target_step / steps[e], 2));
+    }
+  for (std::size_t i = 0; i < masses_.size(); ++i) masses_[i] *= factor[i];
+  if (chordae_) {
+    std::vector<double> stiffness(masses_.size(), 0.0);
+    chordae_->add_rest_stiffness(stiffness);
+    // Room for the chordae's stiffening: at most stiffening_limit, in a closed valve far less.
+    constexpr double stiffening = 4;
+    for (std::size_t i = 0; i < masses_.size(); ++i) masses_[i] += stiffening * 0.5 * target_step * target_step * stiffness[i];
+  }
+  added_mass_share_ = 1 - before / std::accumulate(masses_.begin(), masses_.end(), 0.0);
+}
+
+/// Nothing holds dry leaflets back: under 16 kPa one of 1 mm gains 15 m/s in a millisecond and strikes the other at a multiple of what it does in blood. Damping is
+/// chosen such that the largest pressure moves a free leaflet at the closing speed, whatever its mass; and with so much damping the mass may grow (mass scaling,
+/// which lengthens the stable step by its root) until it delays that speed by the settling time.
+void Structure::stand_in_for_blood(const Config& config, double largest_pressure) {
+  double area = 0;
+  for (const auto& t : ventricular_faces_) {
+    const Vec3 a = Vec3::Map(rest_.data() + 3 * t[0]), b = Vec3::Map(rest_.data() + 3 * t[1]), c = Vec3::Map(rest_.data() + 3 * t[2]);
+    area += 0.5 * (b - a).cross(c - a).norm();
+  }
+  if (!(area > 0)) return;
+  const double mass_per_area = std::accumulate(masses_.begin(), masses_.begin() + leaflet_nodes_, 0.0) / area;
+  const double rate = std::max(largest_pressure / (mass_per_area * config.number("structure.closing_speed")), damping_rate_least);
+  mass_factor_ = std::max(1.0, rate * config.number("structure.settling_time"));
+  damping_rate_ = rate / mass_factor_;
+  for (double& m : masses_) m *= mass_factor_;
 }
 
 void Structure::move_boundary(State& state, double dt) {

@@ -24,8 +24,11 @@ struct PartTimes {
   double sum() const { return fluid + coupling + solid + contact + chordae + step_estimate + output; }
 };
 
-/// Law and parameters of a leaflet ("anterior" or "posterior"). Throws ConfigError.
+/// Law and parameters of a leaflet ("anterior", "posterior", "septal"). Throws ConfigError.
 Material material_of(const Config& config, const std::string& leaflet);
+
+/// Law of the chordae of a leaflet (Region, septal, 0 none). Throws ConfigError.
+ChordaLaw chorda_law_of(const Config& config, int leaflet);
 
 class Structure {
  public:
@@ -36,7 +39,9 @@ class Structure {
   int leaflet_nodes() const { return leaflet_nodes_; }
   const std::vector<double>& rest_positions() const { return rest_; }
   const std::vector<char>& is_fixed() const { return is_fixed_; }
-  const std::vector<double>& masses() const { return masses_; }  // kg per node
+  const std::vector<double>& masses() const { return masses_; }  // kg per node; without blood times mass_factor()
+  double mass_factor() const { return mass_factor_; }
+  double damping_rate() const { return damping_rate_; }  // 1/s, of all motion; 0 with blood
   const std::vector<Eigen::Vector3d>& tips() const { return tips_; }
 
   /// All nodal forces (N) at the state's positions with papillary tips and cuts as at the end of the step, overwriting `forces`; moves the friction history on by dt. `ventricular_pressure` (Pa) acts on
@@ -48,6 +53,11 @@ class Structure {
 
   /// out = K v with K = -dF/dx at the x of begin_products(); `shares` receives the parts of v.K.v: tissue, chordae, contact.
   void stiffness_times(std::span<const double> v, std::span<double> out, std::array<double, 3>& shares);
+
+  /// Motion of the annulus, or null when it is fixed.
+  const AnnulusMotion* annulus_motion() const { return annulus_motion_ ? &*annulus_motion_ : nullptr; }
+  /// Share of the mass that mass scaling (time.target_step) added.
+  double added_mass_share() const { return added_mass_share_; }
 
   LeafletSolid& solid() { return *solid_; }
   const LeafletSolid& solid() const { return *solid_; }
@@ -67,12 +77,16 @@ class Structure {
   std::span<const double> x_of_products_;
   std::vector<double> tissue_forces_;  // at x_of_products_
   void move_boundary(State& state, double dt);
+  void scale_masses(double target_step);
+  void stand_in_for_blood(const Config& config, double largest_pressure);
 
   int leaflet_nodes_ = 0;
   std::vector<double> rest_, masses_;
   std::vector<char> is_fixed_;
   std::vector<Eigen::Vector3d> tips_;
   std::optional<BoundaryMotion> motion_;   // only when something moves
+  std::optional<AnnulusMotion> annulus_motion_;
+  double added_mass_share_ = 0;
   std::optional<LeafletSolid> solid_;
   std::optional<ChordaeTension> chordae_;
   ContactSurface surface_;
@@ -80,6 +94,7 @@ class Structure {
   std::unique_ptr<SelfContact> contact_;
   ContactResult contact_result_;
   double threshold_ = 0, reference_volume_ = 0;
+  double mass_factor_ = 1, damping_rate_ = 0;
   bool has_fluid_ = true;
   std::vector<std::array<int, 3>> ventricular_faces_, atrial_faces_;
 };

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "geometry/core/leaflet_names.h"
 #include "geometry/core/parallel.h"
 #include "geometry/core/unfolded.h"
 #include "solver/contact/intersection.h"
@@ -22,8 +23,24 @@ constexpr double ml_per_m3 = 1e6;
 // Trust gates.
 constexpr double energy_residual_limit = 0.05;
 constexpr double volume_drift_limit = 0.01;
+// Without blood nothing but its bulk modulus keeps tissue from swelling under tension.
+constexpr double dry_volume_drift_limit = 0.05;
+constexpr double kinetic_share_limit = 0.05;
 
 AnnulusPlane plane_of(const Scene& scene) { return {scene.annulus.origin, -scene.annulus.normal}; }
+
+/// The annulus where the nearest held nodes have carried it.
+std::vector<Vec3> annulus_now(const Scene& scene, const std::vector<Vec3>& points) {
+  std::vector<Vec3> now = scene.annulus.points;
+  for (Vec3& p : now) {
+    std::size_t nearest = 0;
+    double least = 1e300;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (const double d = scene.mesh.on_annulus[i] ? (scene.mesh.points[i] - p).squaredNorm() : 1e300; d < least) least = d, nearest = i;
+    if (least < 1e300) p += points[nearest] - scene.mesh.points[nearest];
+  }
+  return now;
+}
 
 void put_seal(Summary& summary, const Simulation& simulation, const std::vector<Vec3>& points, double threshold_mm) {
   const Scene& scene = simulation.scene();
@@ -45,7 +62,7 @@ void put_seal(Summary& summary, const Simulation& simulation, const std::vector<
       if (period > 0 && highest - u > 0.5 * period) u += period;
     }
   }
-  input.annulus = scene.annulus.points;
+  input.annulus = annulus_now(scene, points);
   input.tube = scene.tube;
   if (scene.papillary.tips.size() == 2) input.anterolateral = (scene.papillary.tips[0] - scene.papillary.tips[1]).normalized();
   const SealResult seal = find_seal(input, threshold_mm);
@@ -87,7 +104,7 @@ void put_contact(Summary& summary, const Simulation& simulation, const State& st
   summary.set("contact.belt_width_mm_mean", belt.width_mean_mm);
   Json interruptions = Json::array();
   for (const BeltInterruption& i : belt.interruptions)
-    interruptions.push_back({{"leaflet", i.region == anterior ? "anterior" : "posterior"}, {"u_from_mm", i.u_from}, {"u_to_mm", i.u_to}, {"width_mm", i.width_mm}});
+    interruptions.push_back({{"leaflet", leaflet_name(i.region)}, {"u_from_mm", i.u_from}, {"u_to_mm", i.u_to}, {"width_mm", i.width_mm}});
   summary.set("contact.belt_interruptions", interruptions);
   summary.set("contact.threshold_mm", 1e3 * contact.threshold);
   summary.set("contact.range_mm", 1e3 * simulation.structure().contact()->options().threshold);
@@ -107,7 +124,8 @@ void put_contact(Summary& summary, const Simulation& simulation, const State& st
 
 void put_tissue(Summary& summary, const Simulation& simulation, const State& state) {
   const Scene& scene = simulation.scene();
-  if (scene.config.text("fibers.model") == "none") return;
+  // The areas are the mitral valve's.
+  if (scene.config.text("fibers.model") == "none" || has_other_leaflets(scene.mesh)) return;
   const std::size_t points = scene.mesh.points.size();
   const ElementStress stress = element_stress(simulation.structure().solid(), std::span<const double>(state.x.data(), 3 * points));
   const StressAreas areas = find_stress_areas(scene.mesh, scene.papillary.tips);
@@ -225,6 +243,19 @@ Summary summarize(Simulation& simulation, const State& state, const ContactMeasu
     summary.set("papillary.force_N", forces);
     summary.set("papillary.force_total_N", total);
   }
+  if (!simulation.fluid()) {
+    const double stored = state.elastic_energy + state.chordae_energy;
+    summary.set("energy.kinetic_share", stored > 0 ? Json(simulation.kinetic_energy(state) / stored) : Json());
+    // With masses that are not the true ones only rest means something.
+    const bool is_gated = !scene.config.is_auto("gates.max_kinetic_share") || !scene.config.is_auto("time.target_step");
+    if (is_gated)
+      summary.set("energy.kinetic_share_allowed", scene.config.is_auto("gates.max_kinetic_share") ? kinetic_share_limit : scene.config.number("gates.max_kinetic_share"));
+    summary.set("energy.damping_loss_J", state.ledger.damping_loss);
+    summary.set("energy.work_pressure_J", state.ledger.work_pressure);
+    summary.set("energy.work_moved_J", state.ledger.work_moved);
+    summary.set("energy.elastic_J", state.elastic_energy);
+    summary.set("solid.added_mass_share", structure.added_mass_share());
+  }
   summary.set("energy.residual_relative", simulation.energy_residual(state));
   summary.set("mass.solid_volume_drift", facts.volume_drift_max);
   summary.set("mass.divergence_relative", simulation.fluid() ? Json(simulation.fluid()->relative_divergence(state.flow)) : Json());
@@ -239,9 +270,15 @@ std::vector<std::string> failed_trust_gates(const Summary& summary) {
   const Json& residual = json_at(json, "energy.residual_relative");
   if (!residual.is_number() || residual.get<double>() > energy_residual_limit)
     failed.push_back(fmt::format("energy residual {:.3g} is above {:.3g}", residual.is_number() ? residual.get<double>() : NAN, energy_residual_limit));
+  const Json& kinetic = json_at(json, "energy.kinetic_share");
+  const Json& allowed = json_at(json, "energy.kinetic_share_allowed");
+  if (kinetic.is_number() && allowed.is_number() && kinetic.get<double>() > allowed.get<double>())
+    failed.push_back(fmt::format("not at rest: the kinetic energy is {:.3g} of the elastic one, at most {:.3g} is allowed (gates.max_kinetic_share); let it run longer (time.end)",
+                                 kinetic.get<double>(), allowed.get<double>()));
   const Json& drift = json_at(json, "mass.solid_volume_drift");
-  if (!drift.is_number() || std::abs(drift.get<double>()) > volume_drift_limit)
-    failed.push_back(fmt::format("solid volume drifts by {:.3g}, limit {:.3g}", drift.is_number() ? drift.get<double>() : NAN, volume_drift_limit));
+  const double drift_limit = json_at(json, "fluid.cells").is_number() ? volume_drift_limit : dry_volume_drift_limit;
+  if (!drift.is_number() || std::abs(drift.get<double>()) > drift_limit)
+    failed.push_back(fmt::format("solid volume drifts by {:.3g}, limit {:.3g}", drift.is_number() ? drift.get<double>() : NAN, drift_limit));
   return failed;
 }
 

@@ -82,7 +82,7 @@ Waveform Waveform::from_config(const Config& config, const std::filesystem::path
   const std::string& kind = config.text("pressure.waveform");
   if (kind != "csv") {
     Waveform w;
-    w.kind_ = kind == "ramp" ? Kind::ramp : Kind::systolic;
+    w.kind_ = kind == "ramp" ? Kind::ramp : kind == "smooth" ? Kind::smooth : Kind::systolic;
     w.peak_ = config.number("pressure.peak");
     w.rise_time_ = config.number("pressure.rise_time");
     return w;
@@ -120,6 +120,10 @@ double Waveform::at(double time) const {
   switch (kind_) {
     case Kind::systolic: return time <= 0 ? 0.0 : time >= rise_time_ ? peak_ : 0.5 * peak_ * (1 - std::cos(M_PI * time / rise_time_));
     case Kind::ramp: return time <= 0 ? 0.0 : time >= rise_time_ ? peak_ : peak_ * time / rise_time_;
+    case Kind::smooth: {
+      const double s = std::clamp(time / rise_time_, 0.0, 1.0);
+      return peak_ * s * s * s * (10 - 15 * s + 6 * s * s);
+    }
     case Kind::table: break;
   }
   const double t = time + shift_;

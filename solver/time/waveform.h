@@ -23,7 +23,7 @@ class Waveform {
   double largest() const;  // largest magnitude, Pa
 
  private:
-  enum class Kind { systolic, ramp, table } kind_ = Kind::systolic;
+  enum class Kind { systolic, ramp, smooth, table } kind_ = Kind::systolic;
   double peak_ = 0, rise_time_ = 0, shift_ = 0;
   std::vector<double> times_, pressures_;
 };

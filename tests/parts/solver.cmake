@@ -1,5 +1,6 @@
 if(TARGET mv_simulation)
-  mv_add_test(unit_time SOURCES unit/time/waveform_test.cpp unit/time/checkpoint_test.cpp unit/time/annulus_barrier_test.cpp unit/chordae/chordae_tension_test.cpp LIBRARIES mv_simulation)
+  mv_add_test(unit_time SOURCES unit/time/waveform_test.cpp unit/time/checkpoint_test.cpp unit/time/annulus_barrier_test.cpp unit/time/motion_table_test.cpp
+    unit/chordae/chordae_tension_test.cpp unit/chordae/chorda_law_test.cpp LIBRARIES mv_simulation)
 endif()
 if(TARGET mvsolve AND TARGET mvprep)
   find_package(nlohmann_json REQUIRED)
@@ -13,4 +14,7 @@ set_tests_properties(system_solver_only_build PROPERTIES LABELS system TIMEOUT 1
 if(TARGET mvsolve AND TARGET mvprep)
   mv_add_test(regression_closure SOURCES regression/coarse_closure_test.cpp LIBRARIES mv_core nlohmann_json::nlohmann_json LABEL regression)
   add_dependencies(regression_closure mvsolve mvprep)
+endif()
+if(TARGET mv_study)
+  mv_add_test(unit_dry_motion SOURCES unit/time/dry_motion_test.cpp LIBRARIES mv_study)
 endif()

@@ -59,6 +59,7 @@ double printed_energy(const Material& m, const Mat3& F, const Vec3& f) {
     case Law::neo_hookean: W += m.neo_mu / 2 * i1; break;
     case Law::m2: W += m.m2_c0 * (std::exp(m.m2_c1 * i1 * i1 + m.m2_c2 * std::pow(std::sqrt(i4 + 1) - 1, 4)) - 1); break;
     case Law::m3: W += m.m3_c0 * (std::exp(m.m3_c1 * i1 * i1 + m.m3_c2 * i4 * i4) - 1); break;
+    case Law::isotropic_exponential: W += m.iso_c0 / 2 * i1 + m.iso_c1 / 2 * (std::exp(m.iso_c2 * i1 * i1) - 1); break;
     case Law::ogden: {
       const Vec3 c = Eigen::SelfAdjointEigenSolver<Mat3>(C).eigenvalues();
       for (int i = 0; i < 3; ++i)
@@ -227,6 +228,15 @@ TEST(material, uniaxial_equibiaxial_and_shear_follow_the_closed_forms) {
     const double W = m.m3_c0 * std::exp(m.m3_c1 * i1 * i1 + m.m3_c2 * E * E);
     EXPECT_NEAR(difference(m, uniaxial, Vec3::UnitX()), 4 * W * (m.m3_c1 * i1 * (l * l - 1 / l) + m.m3_c2 * E * l * l),
                 1e-6);   // s4 eq. 10
+
+    // sigma = 2 W1 (l^2 - 1/l), W1 = C0/2 + C1 C2 i exp(C2 i^2), i = I1 - 3 (Mathur et al. 2022)
+    m = material_of(Law::isotropic_exponential);
+    auto slope = [&](double i) { return m.iso_c0 / 2 + m.iso_c1 * m.iso_c2 * i * std::exp(m.iso_c2 * i * i); };
+    const double i1_biaxial = 2 * l * l + std::pow(l, -4) - 3;
+    EXPECT_NEAR(difference(m, uniaxial, Vec3::UnitX()), 2 * slope(i1) * (l * l - 1 / l), 1e-6);
+    if (m.iso_c2 * i1_biaxial * i1_biaxial < m.exponent_limit) {
+      EXPECT_NEAR(difference(m, biaxial, Vec3::UnitX()), 2 * slope(i1_biaxial) * (l * l - std::pow(l, -4)), 1e-6);
+    }
 
     m = material_of(Law::m2);
     const double W2 = m.m2_c0 * std::exp(m.m2_c1 * i1 * i1 + m.m2_c2 * std::pow(std::max(l - 1, 0.0), 4));

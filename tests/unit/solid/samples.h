@@ -14,7 +14,7 @@
 
 namespace mv::solid_test {
 
-inline const Law all_laws[] = {Law::m1, Law::ogden, Law::hgo, Law::neo_hookean, Law::m2, Law::m3};
+inline const Law all_laws[] = {Law::m1, Law::ogden, Law::hgo, Law::neo_hookean, Law::m2, Law::m3, Law::isotropic_exponential};
 
 inline Material material_of(Law law) {
   Material m;

@@ -19,7 +19,7 @@ std::filesystem::path write(const std::string& name, const std::string& text) {
 }
 
 TEST(Waveform, built_in_ones_rise_to_the_peak_and_hold) {
-  for (const char* kind : {"systolic", "ramp"}) {
+  for (const char* kind : {"systolic", "ramp", "smooth"}) {
     mv::Config config;
     config.set(std::string("pressure.waveform=") + kind);
     const auto w = mv::Waveform::from_config(config, ".");

@@ -33,6 +33,7 @@ inline InvariantSlopes invariant_slopes(const Material& m, double I1, double I4)
       const double scale = m.m3_c0 * std::exp(m.m3_c1 * (I1 - 3) * (I1 - 3) + m.m3_c2 * e4 * e4);
       return {2 * m.m3_c1 * (I1 - 3) * scale, 2 * m.m3_c2 * e4 * scale};
     }
+    case Law::isotropic_exponential: return {m.iso_c0 / 2 + m.iso_c1 * m.iso_c2 * (I1 - 3) * std::exp(m.iso_c2 * (I1 - 3) * (I1 - 3)), 0};
     case Law::ogden: break;
   }
   return {0, 0};

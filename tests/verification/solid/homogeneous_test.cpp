@@ -140,7 +140,7 @@ TEST_P(Homogeneous, simple_shear) {
   std::printf("%s simple shear: largest difference %.1e of the largest stress\n", name_of(GetParam()).c_str(), worst);
 }
 
-INSTANTIATE_TEST_SUITE_P(Laws, Homogeneous, ::testing::Values(Law::neo_hookean, Law::m1, Law::m2, Law::m3, Law::ogden, Law::hgo),
+INSTANTIATE_TEST_SUITE_P(Laws, Homogeneous, ::testing::Values(Law::neo_hookean, Law::m1, Law::m2, Law::m3, Law::ogden, Law::hgo, Law::isotropic_exponential),
                          [](const auto& law) { return name_of(law.param); });
 
 }  // namespace

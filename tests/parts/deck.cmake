@@ -1,0 +1,8 @@
+if(TARGET mv_deck)
+  mv_add_test(unit_deck SOURCES unit/deck/abaqus_deck_test.cpp unit/deck/deck_valve_test.cpp LIBRARIES mv_deck)
+endif()
+if(TARGET mvsolve AND TARGET mvprep)
+  find_package(nlohmann_json REQUIRED)
+  mv_add_test(system_deck SOURCES system/deck_test.cpp LIBRARIES mv_core nlohmann_json::nlohmann_json LABEL system)
+  add_dependencies(system_deck mvsolve mvprep)
+endif()
