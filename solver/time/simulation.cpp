@@ -9,6 +9,7 @@
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
 #include "geometry/core/parallel.h"
+#include "solver/output/contact_map.h"
 #include "solver/time/preflight.h"
 
 namespace mv {
@@ -36,8 +37,6 @@ constexpr int cap_steps = 500;            // how long the smaller step lasts aft
 constexpr double inverted_share_allowed = 2e-4;
 constexpr double largest_move = 0.25;     // of the fluid spacing (or the mesh spacing) in one step
 constexpr double move_share = 0.6;        // of largest_move that the next step may make at the last step's largest velocity
-// Structure-only scenes: mass-proportional damping rate (1/s) that brings the closing motion to rest within a beat.
-constexpr double structural_damping_rate = 300.0;
 
 double swept_volume_of(const std::vector<std::array<int, 3>>& faces, const std::vector<double>& x0, const std::vector<double>& x1) {
   // Mean of the area vectors times the mean displacement: exact to third order in the tiny motion of one step.
@@ -65,6 +64,10 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)), waveform_(Wavefo
   const std::size_t unknowns = structure_->rest_positions().size();
   forces_.assign(unknowns, 0.0);
   x_before_.assign(unknowns, 0.0);
+  if (scene_.has_contact()) {
+    const std::span<const double> leaflets(structure_->rest_positions().data(), 3 * static_cast<std::size_t>(structure_->leaflet_nodes()));
+    guard_.emplace(leaflets, boundary_faces(scene_.mesh).triangles, structure_->masses(), structure_->is_fixed());
+  }
   if (scene_.has_fluid()) {
     FluidGrid grid;
     grid.n = scene_.tube.grid_cells;
@@ -228,6 +231,7 @@ void Simulation::advance(State& state, double dt) {
     times_.fluid += seconds_since(start);
     start = Clock::now();
     coupling_->move(nodes, state.flow.velocity, dt);
+    guard_motion(state, dt);
     // What the nodes did in truth, relaxation and slip included, is what friction feels.
     if (is_relaxed || drainage_)
       parallel_for(static_cast<std::ptrdiff_t>(state.v.size()), [&](std::ptrdiff_t a) {
@@ -242,7 +246,7 @@ void Simulation::advance(State& state, double dt) {
   } else {
     const auto& fixed = structure_->is_fixed();
     const auto& masses = structure_->masses();
-    const double decay = 1.0 / (1.0 + dt * structural_damping_rate);
+    const double decay = 1.0 / (1.0 + dt * structure_->damping_rate());
     double damped = 0;
     for (std::size_t i = 0; i < fixed.size(); ++i) {
       if (fixed[i]) continue;
@@ -254,6 +258,7 @@ void Simulation::advance(State& state, double dt) {
       }
     }
     state.ledger.damping_loss += damped;
+    guard_motion(state, dt);
     state.ledger.work_pressure += pressure * -swept_volume_of(structure_->ventricular_faces(), x_before_, state.x);
   }
   state.volume_swept += swept_volume_of(structure_->atrial_faces(), x_before_, state.x);
@@ -287,6 +292,37 @@ void Simulation::book_unseen_motion(State& state) {
   });
   state.unseen_work = work_on(state.unseen_shift);
   state.ledger.coupling_loss += state.unseen_work;
+}
+
+void Simulation::guard_motion(State& state, double dt) {
+  if (!guard_) return;
+  const auto start = Clock::now();
+  const std::size_t leaflet_size = 3 * static_cast<std::size_t>(structure_->leaflet_nodes());
+  guard_->apply(std::span<const double>(x_before_.data(), leaflet_size), std::span<double>(state.x.data(), leaflet_size));
+  const auto moved = guard_->moved();
+  if (fluid_) {
+    // The blood does not see it: the work of the forces on it leaves the budget, as that of all unseen motion.
+    if (state.relax_steps.empty() && !drainage_) state.unseen_shift.assign(moved.empty() ? 0 : state.x.size(), 0.0), state.unseen_work = 0;
+    double work = 0;
+    for (std::size_t k = 0; k < moved.size(); ++k) {
+      const std::size_t a = 3 * static_cast<std::size_t>(moved[k]);
+      work += Vec3::Map(forces_.data() + a).dot(guard_->shifts()[k]);
+      Vec3::Map(state.unseen_shift.data() + a) += guard_->shifts()[k];
+    }
+    state.unseen_work += work;
+    state.ledger.coupling_loss += work;
+  } else {
+    double lost = 0;
+    for (std::size_t k = 0; k < moved.size(); ++k) {
+      const std::size_t node = static_cast<std::size_t>(moved[k]);
+      Eigen::Map<Vec3> v(state.v.data() + 3 * node);
+      const Vec3 after = v + guard_->shifts()[k] / dt;
+      lost += 0.5 * structure_->masses()[node] * (v.squaredNorm() - after.squaredNorm());
+      v = after;
+    }
+    state.ledger.damping_loss += lost;
+  }
+  times_.contact += seconds_since(start);
 }
 
 double Simulation::work_on(const std::vector<double>& shift) const {

@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 
+#include "solver/contact/crossing_guard.h"
 #include "solver/coupling/coupling.h"
 #include "solver/coupling/film_drainage.h"
 #include "solver/time/scene.h"
@@ -66,6 +67,8 @@ class Simulation {
   /// Books what relaxation and slip, which the blood does not feel, take from the budget.
   void book_unseen_motion(State& state);
   double work_on(const std::vector<double>& shift) const;
+  /// Takes from the step what would make leaflets pass through each other, and books its loss.
+  void guard_motion(State& state, double dt);
   double choose_step(State& state, double stop_time, std::string& limiter);
   /// Why the step just made cannot stand, or empty; notes the largest velocity of a node.
   std::string failure(State& state, int outside) const;
@@ -78,6 +81,7 @@ class Simulation {
   std::optional<Coupling> coupling_;
   std::optional<FilmDrainage> drainage_;
   std::optional<StableStep> stable_step_;
+  std::optional<CrossingGuard> guard_;   // with contact
   FaceField force_density_;
   std::vector<double> forces_;
   std::vector<double> x_before_;

@@ -36,7 +36,9 @@ class Structure {
   int leaflet_nodes() const { return leaflet_nodes_; }
   const std::vector<double>& rest_positions() const { return rest_; }
   const std::vector<char>& is_fixed() const { return is_fixed_; }
-  const std::vector<double>& masses() const { return masses_; }  // kg per node
+  const std::vector<double>& masses() const { return masses_; }  // kg per node; without blood times mass_factor()
+  double mass_factor() const { return mass_factor_; }
+  double damping_rate() const { return damping_rate_; }  // 1/s, of all motion; 0 with blood
   const std::vector<Eigen::Vector3d>& tips() const { return tips_; }
 
   /// All nodal forces (N) at the state's positions with papillary tips and cuts as at the end of the step, overwriting `forces`; moves the friction history on by dt. `ventricular_pressure` (Pa) acts on
@@ -67,6 +69,7 @@ class Structure {
   std::span<const double> x_of_products_;
   std::vector<double> tissue_forces_;  // at x_of_products_
   void move_boundary(State& state, double dt);
+  void stand_in_for_blood(const Config& config, double largest_pressure);
 
   int leaflet_nodes_ = 0;
   std::vector<double> rest_, masses_;
@@ -80,6 +83,7 @@ class Structure {
   std::unique_ptr<SelfContact> contact_;
   ContactResult contact_result_;
   double threshold_ = 0, reference_volume_ = 0;
+  double mass_factor_ = 1, damping_rate_ = 0;
   bool has_fluid_ = true;
   std::vector<std::array<int, 3>> ventricular_faces_, atrial_faces_;
 };

@@ -2,6 +2,7 @@ if(TARGET mv_contact)
   mv_add_test(unit_contact
     SOURCES
       unit/contact/candidates.cpp
+      unit/contact/crossing_guard.cpp
       unit/contact/forces.cpp
       unit/contact/friction.cpp
       unit/contact/intersection.cpp

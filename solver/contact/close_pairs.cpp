@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver/contact/close_pairs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "geometry/core/errors.h"
+#include "geometry/core/parallel.h"
+
+namespace mv {
+namespace {
+
+using Vec3 = Eigen::Vector3d;
+
+constexpr int shells = 64;
+
+Vec3 point(std::span<const double> x, int node) { return Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(node)); }
+
+}  // namespace
+
+ClosePairs::ClosePairs(int vertices, std::span<const std::array<int, 3>> triangles)
+    : triangles_(triangles.begin(), triangles.end()), owned_(triangles.size()), shell_start_(shells + 1, 0) {
+  std::vector<char> is_owned(static_cast<std::size_t>(vertices), 0);
+  std::map<std::array<int, 2>, int> known;
+  for (std::size_t f = 0; f < triangles_.size(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const int a = triangles_[f][k], b = triangles_[f][(k + 1) % 3];
+      if (a < 0 || a >= vertices) throw InputError("close pairs: a triangle refers to vertex " + std::to_string(a) + " of " + std::to_string(vertices));
+      if (!is_owned[static_cast<std::size_t>(a)]) owned_[f].vertex[k] = a;
+      is_owned[static_cast<std::size_t>(a)] = 1;
+      const auto [at, is_new] = known.try_emplace({std::min(a, b), std::max(a, b)}, static_cast<int>(edges_.size()));
+      if (!is_new) continue;
+      owned_[f].edge[k] = at->second;
+      edges_.push_back(at->first);
+    }
+  }
+  for (int v = 0; v < vertices; ++v)
+    if (is_owned[static_cast<std::size_t>(v)]) used_.push_back(v);
+}
+
+void ClosePairs::add(bool is_edges, const std::array<int, 4>& node, std::span<const double> x, std::vector<ClosePair>& out) const {
+  const contact::FourPoints p{point(x, node[0]), point(x, node[1]), point(x, node[2]), point(x, node[3])};
+  if (is_edges) {
+    // Spheres around the edges: twice the distance of the centres against the sum of the lengths.
+    const double lengths = (p[1] - p[0]).norm() + (p[3] - p[2]).norm() + 2 * radius_;
+    if ((p[0] + p[1] - p[2] - p[3]).squaredNorm() > lengths * lengths) return;
+  }
+  const double distance = contact::nearest_points(is_edges, p).separation.norm();
+  if (distance < radius_) out.push_back({node, is_edges, std::max(0.0F, static_cast<float>(distance) * (1 - 1e-6F))});
+}
+
+void ClosePairs::add_pairs(int f, int g, std::span<const double> x, std::vector<ClosePair>& out) const {
+  const auto has = [](const std::array<int, 3>& t, int v) { return t[0] == v || t[1] == v || t[2] == v; };
+  const auto add_vertices = [&](const Owned& of, const std::array<int, 3>& t) {
+    for (int v : of.vertex)
+      if (v >= 0 && !has(t, v)) add(false, {v, t[0], t[1], t[2]}, x, out);
+  };
+  add_vertices(owned_[f], triangles_[g]);
+  add_vertices(owned_[g], triangles_[f]);
+  for (int i : owned_[f].edge) {
+    if (i < 0) continue;
+    for (int j : owned_[g].edge) {
+      if (j < 0) continue;
+      const auto& [a, b] = edges_[std::min(i, j)];
+      const auto& [c, d] = edges_[std::max(i, j)];
+      if (a == c || a == d || b == c || b == d) continue;
+      add(true, {a, b, c, d}, x, out);
+    }
+  }
+}
+
+void ClosePairs::update(std::span<const double> x, double radius) {
+  radius_ = radius;
+  const int count = static_cast<int>(triangles_.size());
+  centre_.resize(triangles_.size());
+  box_.resize(triangles_.size());
+  parallel_for(count, [&](std::ptrdiff_t f) {
+    const auto& t = triangles_[f];
+    const Vec3 a = point(x, t[0]), b = point(x, t[1]), c = point(x, t[2]);
+    centre_[f] = (a + b + c) / 3;
+    box_[f] = {a.cwiseMin(b).cwiseMin(c).cast<float>().array(), a.cwiseMax(b).cwiseMax(c).cast<float>().array()};
+  });
+  Vec3 lower = centre_[0], upper = centre_[0];
+  double size = 0, checksum = 0;  // size: largest distance from a centroid to a side of the box
+  for (int f = 0; f < count; ++f) {
+    lower = lower.cwiseMin(centre_[f]);
+    upper = upper.cwiseMax(centre_[f]);
+    const Eigen::Array3d c = centre_[f].array();
+    size = std::max({size, (box_[f].upper.cast<double>() - c).maxCoeff(), (c - box_[f].lower.cast<double>()).maxCoeff()});
+    checksum += centre_[f].sum();
+  }
+  if (!std::isfinite(checksum)) throw TrustError("contact: positions are not finite; the run has diverged");
+  const float inflated = static_cast<float>(radius + 1e-6 * (lower.norm() + upper.norm() + size));  // single precision
+  const double reach = inflated + 2 * size;
+  grid_.reset(lower, upper, reach);
+  grid_.sort(count, [&](int f) { return grid_.cell_index(grid_.cell(centre_[f])); });
+  for (auto& b : bound_) b.resize(triangles_.size());
+  parallel_for(count, [&](std::ptrdiff_t k) {
+    const Box& box = box_[grid_.item(static_cast<int>(k))];
+    for (int c = 0; c < 3; ++c) {
+      bound_[c][k] = box.lower[c] - inflated;
+      bound_[3 + c][k] = box.upper[c] + inflated;
+    }
+  });
+
+  constexpr int piece = 256;
+  const int pieces = (count + piece - 1) / piece;
+  found_.resize(static_cast<std::size_t>(pieces));
+  parallel_pieces(
+      pieces, 1,
+      [&](std::ptrdiff_t first_piece, std::ptrdiff_t last_piece, int) {
+        constexpr int chunk = 64;
+        std::array<char, chunk> overlaps;
+        for (std::ptrdiff_t p = first_piece; p < last_piece; ++p) {
+          std::vector<ClosePair> list = std::move(found_[p]);
+          list.clear();
+          for (int f = static_cast<int>(p) * piece; f < std::min(count, static_cast<int>(p + 1) * piece); ++f) {
+            const Box& box = box_[f];
+            const auto low = grid_.cell(centre_[f] - Vec3::Constant(reach)), high = grid_.cell(centre_[f] + Vec3::Constant(reach));
+            grid_.for_runs(low, high, [&](int first, int last) {
+              for (int base = first; base < last; base += chunk) {
+                const int n = std::min(chunk, last - base);
+                char any = 0;
+                for (int k = 0; k < n; ++k) {
+                  const int j = base + k;
+                  overlaps[k] = static_cast<char>((bound_[0][j] <= box.upper[0]) & (bound_[3][j] >= box.lower[0]) & (bound_[1][j] <= box.upper[1]) &
+                                                  (bound_[4][j] >= box.lower[1]) & (bound_[2][j] <= box.upper[2]) & (bound_[5][j] >= box.lower[2]));
+                  any |= overlaps[k];
+                }
+                if (!any) continue;
+                for (int k = 0; k < n; ++k)
+                  if (overlaps[k] && grid_.item(base + k) > f) add_pairs(f, grid_.item(base + k), x, list);
+              }
+            });
+          }
+          found_[p] = std::move(list);
+        }
+      },
+      2);
+
+  // Sorted by shells of distance, within a shell in the order found.
+  const auto shell_of = [&](const ClosePair& pair) { return std::min(shells - 1, static_cast<int>(pair.distance / radius * shells)); };
+  std::fill(shell_start_.begin(), shell_start_.end(), 0);
+  for (const auto& list : found_)
+    for (const ClosePair& pair : list) ++shell_start_[static_cast<std::size_t>(shell_of(pair)) + 1];
+  for (int s = 0; s < shells; ++s) shell_start_[static_cast<std::size_t>(s) + 1] += shell_start_[static_cast<std::size_t>(s)];
+  pairs_.resize(static_cast<std::size_t>(shell_start_.back()));
+  std::array<int, shells> next;
+  std::copy_n(shell_start_.begin(), shells, next.begin());
+  for (const auto& list : found_)
+    for (const ClosePair& pair : list) pairs_[static_cast<std::size_t>(next[static_cast<std::size_t>(shell_of(pair))]++)] = pair;
+}
+
+std::span<const ClosePair> ClosePairs::pairs_within(double distance) const {
+  if (!(distance < radius_)) return pairs_;
+  const int shell = std::clamp(static_cast<int>(distance / radius_ * shells), 0, shells - 1);
+  return std::span<const ClosePair>(pairs_).first(static_cast<std::size_t>(shell_start_[static_cast<std::size_t>(shell) + 1]));
+}
+
+}  // namespace mv

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// Which vertices and triangles, and which edges and edges, of a triangulated surface are near each other. Unlike `candidates` nothing is left out but
+// what shares a vertex: not what lies close at rest, not what looks the same way.
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <vector>
+
+#include "solver/contact/box_grid.h"
+#include "solver/contact/primitive_distance.h"
+
+namespace mv {
+
+/// A vertex and a triangle {vertex, a, b, c}, or two edges {a, b, c, d} (a-b and c-d).
+struct ClosePair {
+  std::array<int, 4> node;
+  bool is_edges;
+  float distance;  // m, at the search; rounded down
+  auto key() const { return std::pair(is_edges, node); }
+};
+
+class ClosePairs {
+ public:
+  /// `triangles` over `vertices` vertices. Throws InputError on an index out of range.
+  ClosePairs(int vertices, std::span<const std::array<int, 3>> triangles);
+
+  /// All pairs without a common vertex nearer than `radius` (m), nearest first up to a 64th of the radius, then in the order of triangles. `x`: 3 *
+  /// vertices. The same for every thread count. Throws TrustError when x is not finite. Reuses its memory.
+  void update(std::span<const double> x, double radius);
+
+  std::span<const ClosePair> pairs() const { return pairs_; }
+  /// Those nearer than `distance` (and perhaps a few more).
+  std::span<const ClosePair> pairs_within(double distance) const;
+  double radius() const { return radius_; }
+  const std::vector<int>& vertices() const { return used_; }  // those of the triangles, ascending
+  int edge_count() const { return static_cast<int>(edges_.size()); }
+
+ private:
+  /// Vertices and edges that a triangle stands for, so that each is met once.
+  struct Owned {
+    std::array<int, 3> vertex{-1, -1, -1};
+    std::array<int, 3> edge{-1, -1, -1};
+  };
+  struct Box {
+    Eigen::Array3f lower, upper;
+  };
+  void add_pairs(int f, int g, std::span<const double> x, std::vector<ClosePair>& out) const;
+  void add(bool is_edges, const std::array<int, 4>& node, std::span<const double> x, std::vector<ClosePair>& out) const;
+
+  std::vector<std::array<int, 3>> triangles_;
+  std::vector<std::array<int, 2>> edges_;
+  std::vector<Owned> owned_;
+  std::vector<int> used_;
+  std::vector<ClosePair> pairs_;
+  std::vector<int> shell_start_;  // per shell of distance
+  double radius_ = 0;
+  // Scratch of update().
+  BoxGrid grid_;
+  std::vector<Eigen::Vector3d> centre_;
+  std::vector<Box> box_;
+  std::array<std::vector<float>, 6> bound_;  // by grid position: lower x, y, z, upper x, y, z
+  std::vector<std::vector<ClosePair>> found_;
+};
+
+}  // namespace mv
