@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Which vertices and triangles, and which edges and edges, of a triangulated surface are near each other. Unlike `candidates` nothing is left out for lying
-// close at rest or looking the same way; only what shares a vertex, and what belongs to two triangles around a vertex whose surroundings are flat: all
-// normals within 45 degrees of an axis and all triangles at least two radii high. Such a star lies over a plane one to one; before it can fold onto itself its normals
-// must turn by another 45 degrees, its vertices by more than the radius / 2 for which a list holds (Volino & Magnenat-Thalmann 1994).
+// Which vertices and triangles, and which edges and edges, of a triangulated surface are near each other: all but what shares a vertex.
+//
+// Triangles around a vertex need no look where the surface is flat: all normals within 45 degrees of an axis, all triangles two radii high. Seen along the axis they do not overlap
+// and are still higher than the radius, and so far apart are their parts without a common vertex. (Not so at a slit in an open surface; normal cones: Volino & Magnenat-Thalmann 1994.)
 
 #include <Eigen/Core>
 #include <array>
@@ -29,7 +29,7 @@ class ClosePairs {
   /// `triangles` over `vertices` vertices. Throws InputError on an index out of range.
   ClosePairs(int vertices, std::span<const std::array<int, 3>> triangles);
 
-  /// All pairs (but those above) nearer than `radius` (m), nearest first up to a 64th of the radius, then in any order. `x`: 3 *
+  /// All pairs without a common vertex nearer than `radius` (m), nearest first up to a 64th of the radius, then in any order. `x`: 3 *
   /// vertices. The same for every thread count. Throws TrustError when x is not finite. Reuses its memory.
   void update(std::span<const double> x, double radius);
 
