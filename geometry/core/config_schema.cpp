@@ -204,7 +204,7 @@ const Row rows[] = {
     {"fluid.kernel", "choice ib4|ib3|cbs32", "ib4", "", "regularised delta function"},
 
     {"structure.closing_speed", "velocity", "2 m/s", "0.01 m/s .. 1000 m/s", "structure only: speed at which the peak pressure pushes a free leaflet; stands for the blood that is left out"},
-    {"structure.settling_time", "time", "0.5 ms", "0 ms ..", "structure only: time in which a pushed leaflet reaches that speed; leaflets that would need less get more mass, which allows longer steps; 0: their own mass"},
+    {"structure.settling_time", "time", "1 ms", "0 ms ..", "structure only: time in which a pushed leaflet reaches that speed; leaflets that would need less get more mass (as blood around them would add), which allows longer steps; 0: their own mass"},
 
     {"leaflet.anterior.law", "choice m1|ogden|hgo|neo_hookean|isotropic_exponential", "m1", "", "tissue law of the anterior leaflet"},
     {"leaflet.anterior.m1_c", "pressure", "17.4 kPa", "0 Pa ..", "M1: c of c (I1-3)"},

@@ -15,6 +15,7 @@ namespace {
 using Vec3 = Eigen::Vector3d;
 
 constexpr int shells = 64;
+constexpr double flat_cosine = 0.70710678118654752;
 
 Vec3 point(std::span<const double> x, int node) { return Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(node)); }
 
@@ -38,6 +39,57 @@ ClosePairs::ClosePairs(int vertices, std::span<const std::array<int, 3>> triangl
   }
   for (int v = 0; v < vertices; ++v)
     if (is_owned[static_cast<std::size_t>(v)]) used_.push_back(v);
+  star_start_.assign(static_cast<std::size_t>(vertices) + 1, 0);
+  for (const auto& t : triangles_)
+    for (int v : t) ++star_start_[static_cast<std::size_t>(v) + 1];
+  for (int v = 0; v < vertices; ++v) star_start_[static_cast<std::size_t>(v) + 1] += star_start_[static_cast<std::size_t>(v)];
+  star_.resize(3 * triangles_.size());
+  std::vector<int> next(star_start_.begin(), star_start_.end() - 1);
+  for (std::size_t f = 0; f < triangles_.size(); ++f)
+    for (int v : triangles_[f]) star_[static_cast<std::size_t>(next[static_cast<std::size_t>(v)]++)] = static_cast<int>(f);
+  is_flat_.assign(static_cast<std::size_t>(vertices), 0);
+}
+
+void ClosePairs::find_flat_vertices(std::span<const double> x) {
+  normal_.resize(triangles_.size());
+  is_low_.resize(triangles_.size());
+  parallel_for(static_cast<std::ptrdiff_t>(triangles_.size()), [&](std::ptrdiff_t f) {
+    const auto& t = triangles_[f];
+    const Vec3 a = point(x, t[0]), b = point(x, t[1]), c = point(x, t[2]);
+    normal_[f] = (b - a).cross(c - a);
+    const double area2 = normal_[f].norm(), longest = std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
+    is_low_[f] = !(area2 >= 2 * radius_ * longest);
+    if (area2 > 0) normal_[f] /= area2;
+  });
+  parallel_for(static_cast<std::ptrdiff_t>(used_.size()), [&](std::ptrdiff_t k) {
+    const auto v = static_cast<std::size_t>(used_[static_cast<std::size_t>(k)]);
+    Vec3 axis = Vec3::Zero();
+    for (int s = star_start_[v]; s < star_start_[v + 1]; ++s) axis += normal_[static_cast<std::size_t>(star_[s])];
+    const double least = flat_cosine * axis.norm();
+    bool is_flat = true;
+    for (int s = star_start_[v]; s < star_start_[v + 1]; ++s) {
+      const auto f = static_cast<std::size_t>(star_[s]);
+      is_flat = is_flat && !is_low_[f] && normal_[f].dot(axis) > least;
+    }
+    is_flat_[v] = is_flat;
+  });
+}
+
+bool ClosePairs::share_a_flat_vertex(int f, int g) const {
+  for (int a : triangles_[static_cast<std::size_t>(f)])
+    for (int b : triangles_[static_cast<std::size_t>(g)])
+      if (a == b && is_flat_[static_cast<std::size_t>(a)]) return true;
+  return false;
+}
+
+/// Whether a plane across the line of their centres parts them by more than the radius.
+bool ClosePairs::are_far_apart(int f, int g, std::span<const double> x) const {
+  const Vec3 axis = centre_[static_cast<std::size_t>(g)] - centre_[static_cast<std::size_t>(f)];
+  double near = -1e300, far = 1e300;
+  for (int v : triangles_[static_cast<std::size_t>(f)]) near = std::max(near, axis.dot(point(x, v)));
+  for (int v : triangles_[static_cast<std::size_t>(g)]) far = std::min(far, axis.dot(point(x, v)));
+  const double gap = far - near;
+  return gap > 0 && gap * gap > 1.000001 * radius_ * radius_ * axis.squaredNorm();
 }
 
 void ClosePairs::add(bool is_edges, const std::array<int, 4>& node, std::span<const double> x, std::vector<ClosePair>& out) const {
@@ -52,6 +104,7 @@ void ClosePairs::add(bool is_edges, const std::array<int, 4>& node, std::span<co
 }
 
 void ClosePairs::add_pairs(int f, int g, std::span<const double> x, std::vector<ClosePair>& out) const {
+  if (share_a_flat_vertex(f, g) || are_far_apart(f, g, x)) return;
   const auto has = [](const std::array<int, 3>& t, int v) { return t[0] == v || t[1] == v || t[2] == v; };
   const auto add_vertices = [&](const Owned& of, const std::array<int, 3>& t) {
     for (int v : of.vertex)
@@ -73,6 +126,7 @@ void ClosePairs::add_pairs(int f, int g, std::span<const double> x, std::vector<
 
 void ClosePairs::update(std::span<const double> x, double radius) {
   radius_ = radius;
+  find_flat_vertices(x);
   const int count = static_cast<int>(triangles_.size());
   centre_.resize(triangles_.size());
   box_.resize(triangles_.size());
@@ -116,11 +170,12 @@ void ClosePairs::update(std::span<const double> x, double radius) {
         for (std::ptrdiff_t p = first_piece; p < last_piece; ++p) {
           std::vector<ClosePair> list = std::move(found_[p]);
           list.clear();
-          for (int f = static_cast<int>(p) * piece; f < std::min(count, static_cast<int>(p + 1) * piece); ++f) {
+          for (int own = static_cast<int>(p) * piece; own < std::min(count, static_cast<int>(p + 1) * piece); ++own) {
+            const int f = grid_.item(own);
             const Box& box = box_[f];
             const auto low = grid_.cell(centre_[f] - Vec3::Constant(reach)), high = grid_.cell(centre_[f] + Vec3::Constant(reach));
             grid_.for_runs(low, high, [&](int first, int last) {
-              for (int base = first; base < last; base += chunk) {
+              for (int base = std::max(first, own + 1); base < last; base += chunk) {  // each pair once
                 const int n = std::min(chunk, last - base);
                 char any = 0;
                 for (int k = 0; k < n; ++k) {
@@ -131,7 +186,7 @@ void ClosePairs::update(std::span<const double> x, double radius) {
                 }
                 if (!any) continue;
                 for (int k = 0; k < n; ++k)
-                  if (overlaps[k] && grid_.item(base + k) > f) add_pairs(f, grid_.item(base + k), x, list);
+                  if (overlaps[k]) add_pairs(f, grid_.item(base + k), x, list);
               }
             });
           }

@@ -23,7 +23,7 @@ constexpr double led_apart_below = 0.9;      // of the least distance
 constexpr double recovery = 0.1;             // of what it lacks, in a step ...
 constexpr double recovery_accepted = 0.5;    // ... of which so much will do
 // Search radius: so many steps like this one, within shares of the mean edge; it must hold for this step anyhow.
-constexpr double steps_per_search = 20, radius_share_least = 0.05, radius_share_most = 0.4;
+constexpr double steps_per_search = 20, radius_share_least = 0.05, radius_share_most = 0.3;
 constexpr double room = 1.25;                // of a search's radius over what this step needs
 
 Vec3 at(std::span<const double> x, int node) { return Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(node)); }
