@@ -125,7 +125,8 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
     // The tangent of contact belongs to these positions, also after a resume or a rollback.
     if (structure_->contact()) refresh(state);
     if (coupling_) coupling_->bind({state.x, state.v, structure_->is_fixed()});
-    if (coupling_ && config.flag("coupling.relaxation")) update_relaxation(state);
+    // Without blood the elements' own steps serve look_at_stiff_nodes() alone.
+    if (coupling_ ? config.flag("coupling.relaxation") : is_probed) update_relaxation(state);
     if (is_probed) stable_step_->look_at_stiff_nodes(state);
     stable_step_->update(state, *structure_, coupling_ ? &*coupling_ : nullptr, fluid_ ? &*fluid_ : nullptr, estimate_products);
     state.last_estimate = state.step;
@@ -188,8 +189,12 @@ void Simulation::update_relaxation(State& state) {
       double& step = state.relax_steps[static_cast<std::size_t>(mesh.tets[e * static_cast<std::size_t>(mesh.nodes_per_tet) + static_cast<std::size_t>(n)])];
       step = std::min(step, element_steps_[e]);
     }
-  for (double& step : state.relax_steps)
+  const auto& own = solid.node_masses();
+  for (std::size_t i = 0; i < state.relax_steps.size(); ++i) {
+    double& step = state.relax_steps[i];
     if (step > 1e200) step = 0;
+    else if (!fluid_) step *= std::sqrt(structure_->masses()[i] / own[i]);  // scaled masses
+  }
 }
 
 void Simulation::advance(State& state, double dt) {

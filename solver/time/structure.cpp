@@ -179,8 +179,8 @@ void Structure::scale_masses(double target_step) {
   if (chordae_) {
     std::vector<double> stiffness(masses_.size(), 0.0);
     chordae_->add_rest_stiffness(stiffness);
-    // Room for the chordae's stiffening.
-    constexpr double stiffening = 2;
+    // Room for the chordae's stiffening: at most stiffening_limit, in a closed valve far less.
+    constexpr double stiffening = 4;
     for (std::size_t i = 0; i < masses_.size(); ++i) masses_[i] += stiffening * 0.5 * target_step * target_step * stiffness[i];
   }
   added_mass_share_ = 1 - before / std::accumulate(masses_.begin(), masses_.end(), 0.0);
