@@ -33,6 +33,8 @@ std::string hash_of_case(const Scene& scene) {
   config.set("time.end=1 s");
   std::string text = config.to_toml();
   for (const char* file : {"leaflets.vtu", "tube.vtu", "annulus.vtp", "papillary.vtp"}) text += sha256_of_file(scene.directory / file);
+  for (const char* key : {"annulus.motion", "papillary.motion"})
+    if (!scene.config.text(key).empty()) text += sha256_of_file(scene.config.path(key));
   if (scene.has_chordae()) text += sha256_of_file(scene.directory / "chordae.vtp");
   return sha256(text);
 }
