@@ -128,6 +128,28 @@ class Reader {
   DeckPlace includer_;
 };
 
+/// Text of a file with its includes in place; the reader has followed them before.
+std::string flattened(const std::filesystem::path& file) {
+  const std::string text = read_file_unpacked(file);
+  std::string out, pending;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string raw = text.substr(at, end - at), line = trimmed(raw);
+    at = end + 1;
+    const bool is_include = pending.empty() && is_keyword(line) && deck_name(split(line)[0]) == "*include";
+    if (!is_include && pending.empty()) {
+      out += raw + "\n";
+      continue;
+    }
+    pending += line;
+    if (pending.ends_with(',')) continue;
+    for (const std::string& field : split(std::exchange(pending, "")))
+      if (const auto equals = field.find('='); equals != std::string::npos && deck_name(field.substr(0, equals)) == "input")
+        out += flattened(file.parent_path() / unquoted(trimmed(field.substr(equals + 1)))) + "\n";
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string deck_name(const std::string& text) {
@@ -161,25 +183,7 @@ std::string flattened_deck(const std::filesystem::path& file, int* files) {
   // Circles and missing files are found by the reader.
   const DeckLines lines = read_deck_lines(file);
   if (files) *files = static_cast<int>(lines.files.size());
-  const std::string text = read_file_unpacked(file);
-  if (lines.files.size() == 1) return text;
-  std::string out, pending;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    const std::string raw = text.substr(at, end - at), line = trimmed(raw);
-    at = end + 1;
-    const bool is_include = pending.empty() && is_keyword(line) && deck_name(split(line)[0]) == "*include";
-    if (!is_include && pending.empty()) {
-      out += raw + "\n";
-      continue;
-    }
-    pending += line;
-    if (pending.ends_with(',')) continue;
-    for (const std::string& field : split(std::exchange(pending, "")))
-      if (const auto equals = field.find('='); equals != std::string::npos && deck_name(field.substr(0, equals)) == "input")
-        out += flattened_deck(file.parent_path() / unquoted(trimmed(field.substr(equals + 1)))) + "\n";
-  }
-  return out;
+  return flattened(file);
 }
 
 double deck_number(const DeckLines& lines, const DeckPlace& place, const std::string& field, const char* what) {
