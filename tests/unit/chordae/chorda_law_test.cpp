@@ -56,14 +56,15 @@ TEST(chorda_law, stiffening_is_bounded_where_chordae_tear) {
     for (double l = 1; l < 1.6; l += 0.01) EXPECT_LE(chorda_response(law, l).tangent, stiffening_limit * rest * (1 + 1e-9));
     EXPECT_TRUE(defects(law).empty());
   }
-  EXPECT_NEAR(measured[0].limit_stretch, 1 + std::log(10.0) / 97, 2e-3);
+  // 2 (alpha - 1)/alpha l^(alpha - 2) = 3 * 10 with alpha = 98.25 (the second term has died out)
+  EXPECT_NEAR(measured[0].limit_stretch, std::exp(std::log(15 * 98.25 / 97.25) / 96.25), 1e-3);
   std::printf("anterior: followed to a strain of %.3f and %.1f MPa\n", measured[0].limit_stretch - 1, 1e-6 * chorda_response(measured[0], measured[0].limit_stretch).stress);
 }
 
 TEST(chorda_law, unusable_laws_are_named) {
   EXPECT_FALSE(defects(ogden({-1e6, 0, 0}, {2, 1, 1})).empty());
   EXPECT_FALSE(defects(ogden({1e6, 0, 0}, {0, 1, 1})).empty());
-  EXPECT_FALSE(defects(ogden({2e6, -1e6, 0}, {-40, 5, 1})).empty());  // softens
+  EXPECT_FALSE(defects(ogden({2e6, -1.5e6, 0}, {2, 8, 1})).empty());  // softens
   ChordaLaw linear;
   linear.youngs_modulus = 0;
   EXPECT_FALSE(defects(linear).empty());
