@@ -126,7 +126,8 @@ TEST(SliceCurves, surface_area_and_thickness_of_the_cone_come_back) {
 TEST(SliceCurves, gaps_are_closed_and_flecks_left_out) {
   const ConeValve cone;
   auto slices = cone.slices(3, 0.7);
-  erase_where(slices, [](const Vec3& p) { return std::abs(p.z() + 7) < 0.9; });
+  // Where the slices cut across the leaflet; in an arch such a gap would take away its top, and nobody could tell that from a commissure.
+  erase_where(slices, [](const Vec3& p) { return std::abs(p.z() + 7) < 0.9 && std::abs(p.x()) < 8; });
   Noise random(5);
   for (Slice& s : slices)
     for (int k = 0; k < 4; ++k) {
