@@ -203,7 +203,7 @@ TEST(SliceCurves, a_leaflet_cut_twice_gives_two_curves) {
       }
   }
   const CurveSet set = curves_of_slices(slices);
-  EXPECT_TRUE(any_note(set, "cuts it 2 times"));
+  EXPECT_TRUE(any_note(set, "leaflet 2 times"));
   EXPECT_LT(quality(cone, set).mean, 0.25);
   EXPECT_LT(surface_error(cone, surface_from_curves(set, from_images())), 0.3);
 }
