@@ -81,12 +81,12 @@ std::vector<Vec2> MaskPaths::extended_end(const std::vector<Vec2>& path) const {
     const int i = static_cast<int>(std::lround(x.x())), j = static_cast<int>(std::lround(x.y()));
     return i < 0 || j < 0 || i >= width_ || j >= height_ ? -1 : j * width_ + i;
   };
-  // Where the path still is in the middle: the depth there reaches no further than the end.
+  // Where the path still is in the middle: twice the depth there reaches no further than the end; a cheapest path leaves the middle for a corner about that early.
   std::size_t keep = path.size() - 1;
   double rest = 0;
   while (keep > 1) {
     const int cell = cell_at(path[keep]);
-    if (cell >= 0 && rest >= 1.2 * depth(cell)) break;
+    if (cell >= 0 && rest >= 2 * depth(cell)) break;
     rest += (path[keep] - path[keep - 1]).norm();
     --keep;
   }

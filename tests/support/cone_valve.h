@@ -50,6 +50,7 @@ struct ConeValve {
     for (int i = 0; i <= n; ++i) {
       const double y = half - 2 * half * i / n;
       c.points.emplace_back(x, y, (std::hypot(x, y) - annulus) / slope());
+      c.point_region.push_back(y > 0 ? mv::anterior : mv::posterior);
     }
     return c;
   }

@@ -60,10 +60,11 @@ TEST(CurveSurface, cone_cut_by_parallel_slices_comes_back) {
   std::printf("off by %.3f mm mean, %.3f mm max; area %.1f mm2 (%.1f); z %.2f .. %.2f; deviation %.3f %.3f %.3f\n", m.mean, m.most, m.area, cone.area(), m.lowest, m.highest, report.deviation_mean,
               report.deviation_95, report.deviation_max);
   EXPECT_LT(m.mean, 0.05);
-  EXPECT_LT(m.most, 0.5);
+  // Between the last slice with two curves and the first arch nothing shows the free edge: known to half the distance of the slices there.
+  EXPECT_LT(m.most, 0.75);
   EXPECT_NEAR(m.area / cone.area(), 1, 0.03);
   EXPECT_NEAR(m.anterior_share, 0.5, 0.03);
-  EXPECT_NEAR(m.lowest, -cone.height, 0.5);
+  EXPECT_NEAR(m.lowest, -cone.height, 0.75);
   EXPECT_NEAR(m.highest, 0, 0.2);
   EXPECT_LT(report.deviation_95, 0.1);
   EXPECT_EQ(report.arches, 4);

@@ -85,7 +85,7 @@ TEST(SplineBasis, gram_matrix_is_the_integral_of_the_squared_operator) {
   const Eigen::VectorXd c = Eigen::VectorXd::LinSpaced(basis.size(), 0, 3).array().sin();
   const double quadratic = c.dot(basis.gram({0.3, 1, 0, 1}) * c);
   double sum = 0;
-  const int n = 20000;
+  const int n = 22000;  // a multiple of the segments: the third derivative jumps at knots
   for (int i = 0; i < n; ++i) {
     const double x = 2 * pi * (i + 0.5) / n;
     sum += std::pow(0.3 * evaluate(basis, c, x) + evaluate(basis, c, x, 1) + evaluate(basis, c, x, 3), 2) * 2 * pi / n;
@@ -184,7 +184,9 @@ TEST(OpenCurve, stair_steps_vanish_and_the_ends_stay) {
     stairs.emplace_back(x, 0.7 * std::round(y / 0.7), 0);
   }
   double most = 0;
-  for (const Vec3& p : smooth_open_curve(stairs, 0.25, 0.5)) most = std::max(most, std::abs(p.y() - 3 * std::sin(p.x() / 7)));
+  // The ends are kept where they are, here up to half a step off.
+  for (const Vec3& p : smooth_open_curve(stairs, 0.25, 0.5))
+    if (p.x() > 2 && p.x() < 19) most = std::max(most, std::abs(p.y() - 3 * std::sin(p.x() / 7)));
   EXPECT_LT(most, 0.3);
   EXPECT_LT((smooth_open_curve(stairs, 0.25, 0.5).back() - stairs.back()).norm(), 0.25);
 }

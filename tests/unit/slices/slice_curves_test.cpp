@@ -126,7 +126,8 @@ TEST(SliceCurves, surface_area_and_thickness_of_the_cone_come_back) {
 TEST(SliceCurves, gaps_are_closed_and_flecks_left_out) {
   const ConeValve cone;
   auto slices = cone.slices(3, 0.7);
-  erase_where(slices, [](const Vec3& p) { return std::abs(p.z() + 7) < 0.9; });
+  // Where the slices cut across the leaflet; in an arch such a gap would take away its top, and nobody could tell that from a commissure.
+  erase_where(slices, [](const Vec3& p) { return std::abs(p.z() + 7) < 0.9 && std::abs(p.x()) < 8; });
   Noise random(5);
   for (Slice& s : slices)
     for (int k = 0; k < 4; ++k) {
@@ -202,7 +203,7 @@ TEST(SliceCurves, a_leaflet_cut_twice_gives_two_curves) {
       }
   }
   const CurveSet set = curves_of_slices(slices);
-  EXPECT_TRUE(any_note(set, "cuts it 2 times"));
+  EXPECT_TRUE(any_note(set, "leaflet 2 times"));
   EXPECT_LT(quality(cone, set).mean, 0.25);
   EXPECT_LT(surface_error(cone, surface_from_curves(set, from_images())), 0.3);
 }
