@@ -5,8 +5,8 @@
 // separate thick leaflets. Method in geometry/surface/README.md:
 //  1. Two faces. Each surface point looks inwards for the point opposite; "opposite" pairs and smooth neighbours give a signed graph whose
 //     lowest eigenvector colours the two faces (+1, -1). Between them, over the rims, the colour s is harmonic on the surface.
-//  2. Depth. Laplace's equation inside the solid with (1 + s)/2 on its surface (Jones, Buchbinder, Aharon 2000); the mid-surface is
-//     the level 1/2, moved to the middle of its field line. It reaches the rims: nothing is lost at annulus and free edge.
+//  2. Depth. Laplace's equation inside the solid, 0 and 1 on the faces, no flux through the rims (Jones, Buchbinder, Aharon 2000);
+//     the mid-surface is the level 1/2, moved to the middle of its field line. It reaches the rims: nothing is lost at annulus and free edge.
 //  3. Thickness: length of the field line through the point; within the rims, where lines end on the rim, continued from the inside.
 
 #include <array>
@@ -25,8 +25,8 @@ struct SolidSurface {
 
 struct SolidMidOptions {
   double spacing = 0;  // mm, wanted edge of the mid-surface; 0: half the median thickness
-  double voxel = 0;    // mm, grid on which the depth is solved; 0: a sixth of the median thickness, coarser when the solid would take
-                       // more than max_voxels (said in a note)
+  double voxel = 0;    // mm, grid on which the depth is solved; 0: a sixth of the median thickness, down to a twelfth when parts are thin;
+                       // coarser when the solid would take more than max_voxels (said in a note)
   long max_voxels = 4'000'000;  // inside the solid
 };
 
