@@ -56,6 +56,7 @@ void write_source(const std::filesystem::path& file, const SourceGeometry& sourc
   data->GetPointData()->AddArray(real_array("unfolded", unfolded, 2));
   data->GetPointData()->AddArray(byte_array("annulus", surface.on_annulus));
   data->GetPointData()->AddArray(byte_array("free_edge", surface.on_free_edge));
+  if (!surface.thickness.empty()) data->GetPointData()->AddArray(real_array("thickness", surface.thickness));
   data->GetCellData()->AddArray(integer_array("region", surface.region));
   vtkFieldData* field = data->GetFieldData();
   field->AddArray(real_array("perimeter", {&surface.perimeter, 1}));
@@ -63,7 +64,9 @@ void write_source(const std::filesystem::path& file, const SourceGeometry& sourc
   field->AddArray(real_array("annulus_curve", flat(source.annulus_curve), 3));
   field->AddArray(real_array("anterior_direction", {source.anterior_direction.data(), 3}, 3));
   field->AddArray(real_array("scale", {&source.scale, 1}));
-  add_units(data, units);
+  ArrayUnits all = units;
+  if (!surface.thickness.empty()) all.emplace_back("thickness", "mm");
+  add_units(data, all);
   write_vtk(file, data);
 }
 
@@ -95,6 +98,8 @@ SourceGeometry read_source(const std::filesystem::path& file) {
   surface.on_annulus.assign(annulus.begin(), annulus.end());
   surface.on_free_edge.assign(edge.begin(), edge.end());
   surface.region = in.integers(Place::cells, "region", Region::posterior, Region::anterior, 1, triangles);
+  in.expect_unit("thickness", "mm");
+  if (in.has(Place::points, "thickness")) surface.thickness = in.reals(Place::points, "thickness", 1, points);
   surface.perimeter = in.reals(Place::field, "perimeter", 1, 1)[0];
   surface.axis = vectors(in.reals(Place::field, "axis", 3, 1))[0];
   source.annulus_curve = vectors(in.reals(Place::field, "annulus_curve", 3, -1));

@@ -29,16 +29,15 @@ int pieces(double length, double size) { return std::max(2, static_cast<int>(std
 
 /// Free edge between two columns, resampled to equal lengths in space, measured on the longer of the two faces; both ends
 /// included.
-std::vector<Vec2> sampled_free_edge(const FlatPattern& pattern, const ConeWrap& wrap, double u_begin, double u_end, double size,
-                                    double thickness) {
+std::vector<Vec2> sampled_free_edge(const PatternSurface& pattern, double u_begin, double u_end, double size) {
   std::vector<Vec2> dense{{u_begin, pattern.height(u_begin)}};
   for (const Vec2& p : pattern.free_edge(std::min(0.01, 0.01 * size)))
     if (p.x() > u_begin + 1e-9 && p.x() < u_end - 1e-9) dense.push_back(p);
   dense.push_back({u_end, pattern.height(u_end)});
   std::vector<double> s{0};
-  Vec3 last = wrap.position(dense.front()), last_shift = 0.5 * thickness * wrap.normal(dense.front());
+  Vec3 last = pattern.map.position(dense.front()), last_shift = pattern.map.half_thickness_of(dense.front()) * pattern.normal(dense.front());
   for (std::size_t i = 1; i < dense.size(); ++i) {
-    const Vec3 x = wrap.position(dense[i]), shift = 0.5 * thickness * wrap.normal(dense[i]);
+    const Vec3 x = pattern.map.position(dense[i]), shift = pattern.map.half_thickness_of(dense[i]) * pattern.normal(dense[i]);
     s.push_back(s.back() + std::max((x - last + shift - last_shift).norm(), (x - last - shift + last_shift).norm()));
     last = x;
     last_shift = shift;
@@ -65,7 +64,7 @@ struct Border {
   std::array<std::vector<Vec2>, 2> polygon;  // the same points, u not wrapped
 };
 
-Border sample_border(const FlatPattern& pattern, const ConeWrap& wrap, double size, double thickness) {
+Border sample_border(const PatternSurface& pattern, double size) {
   Border border;
   auto add = [&](const Vec2& p, bool annulus, bool free_edge) {
     border.uv.push_back(p);
@@ -73,7 +72,7 @@ Border sample_border(const FlatPattern& pattern, const ConeWrap& wrap, double si
     border.on_free_edge.push_back(free_edge);
     return static_cast<int>(border.uv.size()) - 1;
   };
-  const std::array<double, 3> ends{0, 2 * pattern.parameters().anterior_radius, pattern.perimeter()};
+  const std::array<double, 3> ends{0, pattern.anterior_end, pattern.perimeter};
   std::array<std::vector<int>, 2> columns;
   for (std::size_t c = 0; c < 2; ++c) {
     const double height = pattern.height(ends[c]);
@@ -94,7 +93,7 @@ Border sample_border(const FlatPattern& pattern, const ConeWrap& wrap, double si
       put(add({u, 0}, true, false), u);
     }
     for (int index : right) put(index, u1);
-    const std::vector<Vec2> edge = sampled_free_edge(pattern, wrap, u0, u1, size, thickness);
+    const std::vector<Vec2> edge = sampled_free_edge(pattern, u0, u1, size);
     for (std::size_t i = edge.size() - 2; i > 0; --i) put(add(edge[i], false, true), edge[i].x());
     for (std::size_t i = left.size() - 1; i > 0; --i) put(left[i], u0);
   }
@@ -104,8 +103,7 @@ Border sample_border(const FlatPattern& pattern, const ConeWrap& wrap, double si
 /// Rows of constant v, each with points of equal spacing in space, staggered by half a spacing against the row above: a nearly
 /// hexagonal lattice with a dislocation only where the cone's narrowing drops a point. Points too close to the border are left
 /// out.
-void seed_rows(const FlatPattern& pattern, const ConeWrap& wrap, const std::vector<Vec2>& polygon, double size,
-               SurfaceRemesh& remesh) {
+void seed_rows(const PatternSurface& pattern, const std::vector<Vec2>& polygon, double size, SurfaceRemesh& remesh) {
   const double row_height = 0.5 * std::sqrt(3.0) * size, clearance = border_clearance * size;
   double u0 = 1e300, u1 = -1e300, top = 0;
   std::vector<Vec3> wall;
@@ -113,16 +111,16 @@ void seed_rows(const FlatPattern& pattern, const ConeWrap& wrap, const std::vect
     u0 = std::min(u0, p.x());
     u1 = std::max(u1, p.x());
     top = std::max(top, p.y());
-    if (p.y() > 0) wall.push_back(wrap.position(p));
+    if (p.y() > 0) wall.push_back(pattern.map.position(p));
   }
   constexpr int dense = 2000;
   const double step = (u1 - u0) / dense;
   for (int row = 1; row * row_height < top; ++row) {
     const double v = row * row_height;
     std::vector<double> s{0};
-    Vec3 last = wrap.position({u0, v});
+    Vec3 last = pattern.map.position({u0, v});
     for (int i = 1; i <= dense; ++i) {
-      const Vec3 x = wrap.position({u0 + i * step, v});
+      const Vec3 x = pattern.map.position({u0 + i * step, v});
       s.push_back(s.back() + (x - last).norm());
       last = x;
     }
@@ -133,7 +131,7 @@ void seed_rows(const FlatPattern& pattern, const ConeWrap& wrap, const std::vect
       while (k + 2 < s.size() && s[k + 1] < target) ++k;
       const double u = u0 + (static_cast<double>(k) + (target - s[k]) / (s[k + 1] - s[k])) * step;
       if (v >= pattern.height(u)) continue;
-      const Vec3 x = wrap.position({u, v});
+      const Vec3 x = pattern.map.position({u, v});
       const bool crowded =
           std::any_of(wall.begin(), wall.end(), [&](const Vec3& w) { return (w - x).squaredNorm() < clearance * clearance; });
       if (!crowded) remesh.insert({u, v});
@@ -147,7 +145,9 @@ double angle_at(const Vec3& a, const Vec3& b, const Vec3& c) {
   return std::atan2(p.cross(q).norm(), p.dot(q)) * 180 / std::acos(-1.0);
 }
 
-SurfaceMeshReport measure(const MidSurface& s, double thickness) {
+SurfaceMeshReport measure(const MidSurface& s, const SurfaceMap& map) {
+  std::vector<double> half;
+  for (const Vec2& uv : s.unfolded) half.push_back(map.half_thickness_of(uv));
   SurfaceMeshReport r;
   r.points = static_cast<int>(s.points.size());
   r.triangles = static_cast<int>(s.triangles.size());
@@ -156,7 +156,7 @@ SurfaceMeshReport measure(const MidSurface& s, double thickness) {
   for (const auto& t : s.triangles)
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 &a = s.points[at(t[k])], &b = s.points[at(t[(k + 1) % 3])], &c = s.points[at(t[(k + 2) % 3])];
-      const Vec3 turn = 0.5 * thickness * (s.normals[at(t[(k + 1) % 3])] - s.normals[at(t[k])]);
+      const Vec3 turn = half[at(t[(k + 1) % 3])] * s.normals[at(t[(k + 1) % 3])] - half[at(t[k])] * s.normals[at(t[k])];
       r.face_edge_max = std::max({r.face_edge_max, (b - a + turn).norm(), (b - a - turn).norm()});
       const double edge = (b - a).norm(), angle = angle_at(a, b, c);
       sum += edge;
@@ -170,14 +170,11 @@ SurfaceMeshReport measure(const MidSurface& s, double thickness) {
 }
 
 /// One leaflet: border points first (in the order of the polygon), then the free ones.
-SurfaceRemesh mesh_leaflet(const FlatPattern& pattern, const ConeWrap& wrap, const std::vector<Vec2>& polygon, double spacing,
-                           double thickness) {
+SurfaceRemesh mesh_leaflet(const PatternSurface& pattern, const std::vector<Vec2>& polygon, double spacing) {
   const double size = mean_over_longest * spacing, longest = 1.4 * size, shortest = 0.65 * size;
-  const SurfaceMap map{[&](const Vec2& p) { return wrap.position(p); }, [&](const Vec2& p) { return wrap.along_u(p); },
-                       [&](const Vec2& p) { return wrap.along_v(p); }, 0.5 * thickness};
-  SurfaceRemesh remesh(map, polygon, triangulate_polygon(polygon), std::vector<char>(polygon.size(), 1));
+  SurfaceRemesh remesh(pattern.map, polygon, triangulate_polygon(polygon), std::vector<char>(polygon.size(), 1));
   remesh.flip_to_delaunay();
-  seed_rows(pattern, wrap, polygon, size, remesh);
+  seed_rows(pattern, polygon, size, remesh);
   remesh.smooth(10, 1.0);
   remesh.flip_to_delaunay();
   for (int i = 0; i < 4; ++i) {
@@ -208,15 +205,23 @@ SurfaceRemesh mesh_leaflet(const FlatPattern& pattern, const ConeWrap& wrap, con
 
 MidSurface mesh_pattern(const FlatPattern& pattern, const ConeWrap& wrap, double spacing, double thickness,
                         SurfaceMeshReport* report) {
+  const SurfaceMap map{[&](const Vec2& p) { return wrap.position(p); }, [&](const Vec2& p) { return wrap.along_u(p); },
+                       [&](const Vec2& p) { return wrap.along_v(p); }, 0.5 * thickness, {}};
+  return mesh_pattern({pattern.perimeter(), 2 * pattern.parameters().anterior_radius, [&](double u) { return pattern.height(u); },
+                       [&](double step) { return pattern.free_edge(step); }, map, [&](const Vec2& p) { return wrap.normal(p); }},
+                      spacing, report);
+}
+
+MidSurface mesh_pattern(const PatternSurface& pattern, double spacing, SurfaceMeshReport* report) {
   if (!(spacing > 0)) throw ConfigError("mesh.spacing must be positive");
-  const Border border = sample_border(pattern, wrap, border_over_longest * spacing, thickness);
+  const Border border = sample_border(pattern, border_over_longest * spacing);
   MidSurface s;
-  s.perimeter = pattern.perimeter();
+  s.perimeter = pattern.perimeter;
   s.unfolded = border.uv;
   s.on_annulus = border.on_annulus;
   s.on_free_edge = border.on_free_edge;
   for (std::size_t patch = 0; patch < 2; ++patch) {
-    const SurfaceRemesh remesh = mesh_leaflet(pattern, wrap, border.polygon[patch], spacing, thickness);
+    const SurfaceRemesh remesh = mesh_leaflet(pattern, border.polygon[patch], spacing);
     std::vector<int> index = border.ring[patch];
     for (std::size_t i = index.size(); i < remesh.uv().size(); ++i) {
       index.push_back(static_cast<int>(s.unfolded.size()));
@@ -230,10 +235,10 @@ MidSurface mesh_pattern(const FlatPattern& pattern, const ConeWrap& wrap, double
   s.on_annulus.resize(s.unfolded.size(), 0);
   s.on_free_edge.resize(s.unfolded.size(), 0);
   for (const Vec2& p : s.unfolded) {
-    s.points.push_back(wrap.position(p));
-    s.normals.push_back(wrap.normal(p));
+    s.points.push_back(pattern.map.position(p));
+    s.normals.push_back(pattern.normal(p));
   }
-  SurfaceMeshReport measured = measure(s, thickness);
+  SurfaceMeshReport measured = measure(s, pattern.map);
   if (report) *report = measured;
   if (measured.face_edge_max > longest_over_spacing_limit * spacing || measured.angle_min < smallest_angle_limit) {
     std::ostringstream message;

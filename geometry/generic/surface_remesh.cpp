@@ -160,7 +160,9 @@ void SurfaceRemesh::split(int a, int b) {
 
 double SurfaceRemesh::face_distance(int a, int b) const {
   auto normal = [&](int i) { return map_.along_u(uv_[at(i)]).cross(map_.along_v(uv_[at(i)])).normalized(); };
-  const Vec3 d = x_[at(b)] - x_[at(a)], turn = map_.half_thickness * (normal(b) - normal(a));
+  const Vec3 d = x_[at(b)] - x_[at(a)];
+  const Vec3 turn = map_.half_thickness_at ? Vec3(map_.half_thickness_at(uv_[at(b)]) * normal(b) - map_.half_thickness_at(uv_[at(a)]) * normal(a))
+                                           : Vec3(map_.half_thickness * (normal(b) - normal(a)));
   return std::max((d + turn).norm(), (d - turn).norm());
 }
 

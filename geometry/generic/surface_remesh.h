@@ -19,6 +19,9 @@ struct SurfaceMap {
   std::function<Vec3(const Vec2&)> along_u;
   std::function<Vec3(const Vec2&)> along_v;
   double half_thickness = 0;  // the surface will be offset by this to both sides
+  std::function<double(const Vec2&)> half_thickness_at;  // the same where it varies; empty: uniform
+
+  double half_thickness_of(const Vec2& uv) const { return half_thickness_at ? half_thickness_at(uv) : half_thickness; }
 };
 
 /// Triangle mesh over (u, v) with its image in space. The border is kept: points given as fixed do not move, border

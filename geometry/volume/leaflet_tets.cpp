@@ -20,6 +20,10 @@ void check(const MidSurface& s, const ThickenOptions& o) {
   if (s.normals.size() != n || s.unfolded.size() != n || s.on_annulus.size() != n || s.on_free_edge.size() != n ||
       s.region.size() != s.triangles.size())
     throw InputError("mid-surface: per-point or per-triangle arrays do not match the number of points or triangles");
+  if (!s.thickness.empty() && s.thickness.size() != n)
+    throw InputError("mid-surface: " + std::to_string(s.thickness.size()) + " thickness values for " + std::to_string(n) + " points");
+  for (double t : s.thickness)
+    if (!(t > 0 && t < 1e300)) throw InputError("mid-surface: thickness " + std::to_string(t) + " mm; expected a positive number");
   for (const auto& t : s.triangles)
     for (int v : t)
       if (v < 0 || at(v) >= n)
@@ -47,8 +51,8 @@ LeafletMesh thicken(const MidSurface& s, const ThickenOptions& o) {
   LeafletMesh m;
   const int n = static_cast<int>(s.points.size());
   for (int level = 0; level <= o.layers; ++level) {
-    const double offset = (0.5 - static_cast<double>(level) / o.layers) * o.thickness;
     for (int i = 0; i < n; ++i) {
+      const double offset = (0.5 - static_cast<double>(level) / o.layers) * (s.thickness.empty() ? o.thickness : s.thickness[at(i)]);
       m.points.push_back(s.points[at(i)] + offset * s.normals[at(i)]);
       m.on_annulus.push_back(s.on_annulus[at(i)]);
       m.on_free_edge.push_back(s.on_free_edge[at(i)]);
