@@ -64,6 +64,24 @@ struct Border {
   std::array<std::vector<Vec2>, 2> polygon;  // the same points, u not wrapped
 };
 
+/// How much longer than on the mid-surface the annulus is at most on a face, between two u; 1 for uniform thickness, where the margin of the border's
+/// spacing covers it.
+double annulus_stretch(const PatternSurface& pattern, double u_begin, double u_end) {
+  if (!pattern.map.half_thickness_at) return 1;
+  constexpr int dense = 400;
+  double stretch = 1;
+  Vec3 last = pattern.map.position({u_begin, 0}), last_shift = pattern.map.half_thickness_of({u_begin, 0}) * pattern.normal({u_begin, 0});
+  for (int i = 1; i <= dense; ++i) {
+    const Vec2 uv(u_begin + (u_end - u_begin) * i / dense, 0);
+    const Vec3 x = pattern.map.position(uv), shift = pattern.map.half_thickness_of(uv) * pattern.normal(uv);
+    const Vec3 d = x - last, turn = shift - last_shift;
+    stretch = std::max({stretch, (d + turn).norm() / d.norm(), (d - turn).norm() / d.norm()});
+    last = x;
+    last_shift = shift;
+  }
+  return stretch;
+}
+
 Border sample_border(const PatternSurface& pattern, double size) {
   Border border;
   auto add = [&](const Vec2& p, bool annulus, bool free_edge) {
@@ -86,7 +104,7 @@ Border sample_border(const PatternSurface& pattern, double size) {
       border.ring[patch].push_back(index);
       border.polygon[patch].push_back({u, border.uv[at(index)].y()});
     };
-    const int n = pieces(u1 - u0, size);
+    const int n = pieces((u1 - u0) * annulus_stretch(pattern, u0, u1), size);
     put(left.front(), u0);
     for (int i = 1; i < n; ++i) {
       const double u = u0 + (u1 - u0) * i / n;

@@ -94,10 +94,27 @@ StripMap::StripMap(const Ring& ring, double period) : ring_(ring), period_(perio
       const Vec3& x = ring.mesh.points[at(t[k])];
       const Vec3 a = ring.mesh.points[at(t[(k + 1) % 3])] - x, b = ring.mesh.points[at(t[(k + 2) % 3])] - x;
       const double area = a.cross(b).norm();
-      c[k] = std::clamp(area > 0 ? 0.5 * a.dot(b) / area : weight_max, weight_min, weight_max);
+      c[k] = area > 0 ? 0.5 * a.dot(b) / area : weight_max;
     }
     cotangent_.push_back(c);
   }
+  // Clamped is the sum over both sides of an edge; its triangles then share it evenly.
+  std::map<std::pair<int, int>, std::pair<double, int>> edges;
+  const auto edge_of = [&](std::size_t t, std::size_t k) {
+    const int a = ring.mesh.triangles[t][(k + 1) % 3], b = ring.mesh.triangles[t][(k + 2) % 3];
+    return std::pair{std::min(a, b), std::max(a, b)};
+  };
+  for (std::size_t t = 0; t < cotangent_.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      auto& [sum, count] = edges[edge_of(t, k)];
+      sum += cotangent_[t][k];
+      ++count;
+    }
+  for (std::size_t t = 0; t < cotangent_.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto& [sum, count] = edges.at(edge_of(t, k));
+      cotangent_[t][k] = std::clamp(sum, weight_min, weight_max) / count;
+    }
   mark_cut();
 }
 

@@ -22,7 +22,7 @@ inline mv::RawLeaflets ring(const std::function<Vec3(double, double)>& x, int n 
   mv::RawLeaflets raw;
   for (int j = 0; j <= m; ++j)
     for (int i = 0; i < n; ++i) {
-      const double phi = 2 * std::numbers::pi * (i + 0.3 * std::sin(i + j)) / n;
+      const double phi = 2 * std::numbers::pi * (i + 0.12 * std::sin(i + j)) / n;
       raw.points.push_back(x(phi, std::pow(static_cast<double>(j) / m, 1.2)));
     }
   for (int j = 0; j < m; ++j)
