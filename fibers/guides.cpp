@@ -82,7 +82,7 @@ GuideEnds ends_of_groups(const LeafletMesh& mesh, const LeafletPattern& leaflet,
   const std::vector<char> is_there = nodes_of(mesh, leaflet);
   std::map<int, Vec2> place;  // end -> sum of (weight t, weight)
   for (const Insertion& i : chordae.insertions)
-    if (is_there[at(i.node)]) place[i.point] += i.weight * Vec2(leaflet.t(i.node), 1);
+    if (is_there[at(i.node)]) place.try_emplace(i.point, Vec2::Zero()).first->second += i.weight * Vec2(leaflet.t(i.node), 1);
   double sum[2] = {0, 0};
   int count[2] = {0, 0};
   for (const auto& [end, s] : place) {

@@ -157,27 +157,9 @@ std::vector<Complex> fix_given(const Domain& d, const std::vector<GivenDirection
 
 using Entries = std::vector<Eigen::Triplet<Complex>>;
 
-// Minimises sum k_ij |z_i - r_ij z_j|^2; `add` hands every k_ij > 0 (i != j, each ordered pair) to its argument.
-template <class Add>
-void solve_free(std::vector<Complex>& z, const std::vector<char>& is_given, const std::vector<Frame>& frames, const Add& add) {
-  std::vector<int> unknown(z.size(), -1);
-  int count = 0;
-  for (std::size_t i = 0; i < z.size(); ++i)
-    if (!is_given[i]) unknown[i] = count++;
-  if (count == 0) return;
-  Entries entries;
-  Eigen::VectorXcd rhs = Eigen::VectorXcd::Zero(count);
-  add([&](int i, int j, double weight) {
-    const int row = unknown[at(i)];
-    if (row < 0) return;
-    entries.emplace_back(row, row, weight);
-    const Complex carry = weight * transport(frames[at(j)], frames[at(i)]);
-    if (const int column = unknown[at(j)]; column >= 0)
-      entries.emplace_back(row, column, -carry);
-    else
-      rhs[row] += carry * z[at(j)];
-  });
-  Eigen::SparseMatrix<Complex> matrix(count, count);
+// Puts the solution of the assembled system into the unknown z.
+void solve(const Entries& entries, const Eigen::VectorXcd& rhs, const std::vector<int>& unknown, std::vector<Complex>& z) {
+  Eigen::SparseMatrix<Complex> matrix(rhs.size(), rhs.size());
   matrix.setFromTriplets(entries.begin(), entries.end());
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<Complex>> solver(matrix);
   if (solver.info() != Eigen::Success)
@@ -189,16 +171,41 @@ void solve_free(std::vector<Complex>& z, const std::vector<char>& is_given, cons
     if (unknown[i] >= 0) z[i] = solution[unknown[i]];
 }
 
-void solve_in_volume(const LeafletMesh& mesh, const std::vector<int>& elements, const Domain& d, const std::vector<char>& is_given, std::vector<Complex>& z) {
-  solve_free(z, is_given, d.frames, [&](const auto& pair) {
-    for (std::size_t e = 0; e < elements.size(); ++e) {
-      const Eigen::Matrix4d k = stiffness(mesh, mesh.tets[at(elements[e])]);
-      const auto& c = d.corners[e];
-      for (int i = 0; i < 4; ++i)
-        for (int j = 0; j < 4; ++j)
-          if (i != j) pair(c[at(i)], c[at(j)], -k(i, j));
+// Numbers of the free entries; returns how many.
+int number_free(const std::vector<char>& is_given, std::vector<int>& unknown) {
+  unknown.assign(is_given.size(), -1);
+  int count = 0;
+  for (std::size_t i = 0; i < is_given.size(); ++i)
+    if (!is_given[i]) unknown[i] = count++;
+  return count;
+}
+
+void solve_in_volume(const LeafletMesh& mesh, const std::vector<int>& elements, const Domain& d, const std::vector<char>& is_given,
+                     std::vector<Complex>& z) {
+  std::vector<int> unknown;
+  const int count = number_free(is_given, unknown);
+  if (count == 0) return;
+  Entries entries;
+  Eigen::VectorXcd rhs = Eigen::VectorXcd::Zero(count);
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    const Eigen::Matrix4d k = stiffness(mesh, mesh.tets[at(elements[e])]);
+    const auto& c = d.corners[e];
+    for (int i = 0; i < 4; ++i) {
+      const int row = unknown[at(c[at(i)])];
+      if (row < 0) continue;
+      for (int j = 0; j < 4; ++j) {
+        if (i == j) continue;
+        const double weight = -k(i, j);
+        entries.emplace_back(row, row, weight);
+        const Complex carry = weight * transport(d.frames[at(c[at(j)])], d.frames[at(c[at(i)])]);
+        if (const int column = unknown[at(c[at(j)])]; column >= 0)
+          entries.emplace_back(row, column, -carry);
+        else
+          rhs[row] += carry * z[at(c[at(j)])];
+      }
     }
-  });
+  }
+  solve(entries, rhs, unknown, z);
 }
 
 void solve_on_surface(const IntrinsicSurface& surface, const Domain& d, const std::vector<char>& is_given, std::vector<Complex>& z) {
@@ -221,13 +228,24 @@ void solve_on_surface(const IntrinsicSurface& surface, const Domain& d, const st
   // A trace of coupling keeps points whose weights all vanish in the system.
   double largest = 0;
   for (const auto& e : surface.edges) largest = std::max(largest, e.weight);
-  solve_free(zc, is_fixed, frames, [&](const auto& pair) {
-    for (const auto& e : surface.edges) {
-      const double weight = std::max(e.weight, 1e-9 * largest);
-      pair(e.a, e.b, weight);
-      pair(e.b, e.a, weight);
+  std::vector<int> unknown;
+  const int count = number_free(is_fixed, unknown);
+  Entries entries;
+  Eigen::VectorXcd rhs = Eigen::VectorXcd::Zero(count);
+  for (const auto& e : surface.edges) {
+    const double weight = std::max(e.weight, 1e-9 * largest);
+    for (const auto& [i, j] : {std::pair(e.a, e.b), std::pair(e.b, e.a)}) {
+      const int row = unknown[at(i)];
+      if (row < 0) continue;
+      entries.emplace_back(row, row, weight);
+      const Complex carry = weight * transport(frames[at(j)], frames[at(i)]);
+      if (unknown[at(j)] >= 0)
+        entries.emplace_back(row, unknown[at(j)], -carry);
+      else
+        rhs[row] += carry * zc[at(j)];
     }
-  });
+  }
+  if (count > 0) solve(entries, rhs, unknown, zc);
   for (std::size_t i = 0; i < z.size(); ++i)
     if (!is_given[i]) z[i] = transport(frames[at(column[i])], d.frames[i]) * zc[at(column[i])];
 }

@@ -8,12 +8,14 @@
 #include <vtkObject.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
+#include <vtkStringArray.h>
+#include <vtkXMLPolyDataReader.h>
 
 #include <cmath>
+#include <string>
 
 #include "geometry/chordae/network_builder.h"
 #include "geometry/core/errors.h"
-#include "geometry/core/vtk_dataset.h"
 
 namespace mv {
 namespace {
@@ -41,6 +43,31 @@ vtkSmartPointer<vtkDataSet> read_legacy(const std::filesystem::path& file) {
   if (!data || reader->GetErrorCode() != 0 || data->GetNumberOfPoints() == 0)
     throw InputError(file.string() + ": not a readable legacy VTK file with points and lines (poly data or unstructured grid)");
   return data;
+}
+
+/// Other programs' files: no unit, space or hash has to be recorded.
+vtkSmartPointer<vtkDataSet> read_xml(const std::filesystem::path& file) {
+  const QuietVtk quiet;
+  vtkNew<vtkXMLPolyDataReader> reader;
+  if (!reader->CanReadFile(file.c_str())) throw InputError(file.string() + ": not a VTK XML file of poly data (.vtp)");
+  reader->SetFileName(file.c_str());
+  reader->Update();
+  vtkSmartPointer<vtkDataSet> data = reader->GetOutput();
+  if (!data || reader->GetErrorCode() != 0 || data->GetNumberOfPoints() == 0) throw InputError(file.string() + ": holds no points, or is damaged");
+  return data;
+}
+
+vtkSmartPointer<vtkDataSet> read_any(const std::filesystem::path& file) {
+  return file.extension() == ".vtk" || file.extension() == ".VTK" ? read_legacy(file) : read_xml(file);
+}
+
+/// What the file records about itself must not contradict the options.
+void check_record(vtkDataSet* data, const char* name, const std::string& asked, const char* key, const std::filesystem::path& file) {
+  auto* record = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray(name));
+  if (!record || record->GetNumberOfValues() == 0) return;
+  std::string said = record->GetValue(0);
+  for (char& c : said) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (said != asked) throw InputError(file.string() + ": records " + name + " '" + said + "', but " + key + " is '" + asked + "'");
 }
 
 /// The first of the names that the file has, with one component and one value per tuple.
@@ -74,11 +101,7 @@ Thickness find_thickness(vtkFieldData* data, const std::filesystem::path& file) 
 }  // namespace
 
 std::vector<std::vector<Vec3>> read_polylines(const std::filesystem::path& file) {
-  vtkSmartPointer<vtkDataSet> data;
-  if (file.extension() == ".vtk")
-    data = read_legacy(file);
-  else
-    data = read_poly_data(file);
+  const vtkSmartPointer<vtkDataSet> data = read_any(file);
   std::vector<std::vector<Vec3>> out;
   vtkNew<vtkIdList> ids;
   for (vtkIdType c = 0; c < data->GetNumberOfCells(); ++c) {
@@ -95,11 +118,9 @@ std::vector<std::vector<Vec3>> read_polylines(const std::filesystem::path& file)
 
 RawChordae read_chordae_vtk(const std::filesystem::path& file, const ChordaeFileOptions& options) {
   NetworkBuilder network(file, options);
-  vtkSmartPointer<vtkDataSet> data;
-  if (file.extension() == ".vtk" || file.extension() == ".VTK")
-    data = read_legacy(file);
-  else
-    data = read_poly_data(file);
+  const vtkSmartPointer<vtkDataSet> data = read_any(file);
+  check_record(data, "UnitSystem", options.unit, "chordae.file_unit", file);
+  check_record(data, "SPACE", options.space == ChordaeSpace::lps ? "lps" : "ras", "chordae.file_space", file);
   const Thickness of_cell = find_thickness(data->GetCellData(), file), of_point = find_thickness(data->GetPointData(), file);
   vtkDataArray* rest = find_array(data->GetCellData(), {"rest_length"}, file);
   vtkDataArray* kind = find_array(data->GetCellData(), {"kind"}, file);

@@ -97,12 +97,16 @@ class DensityModel {
       const double next = i + 1 < sites.size() ? sites[i + 1].arc : sites[0].arc + chart_.border_length();
       report_.border_spacing_min = std::min(report_.border_spacing_min, next - sites[i].arc);
     }
-    // Chance that a chorda is branched, so that branch_share of the ends are on branched ones.
-    const double size = std::pow(2.0, options_.branch_levels);
-    const double chance = options_.branch_levels == 0 ? 0.0 : options_.branch_share / (size - options_.branch_share * (size - 1));
+    const auto most = static_cast<std::size_t>(std::pow(2.0, options_.branch_levels));
+    std::size_t branched = 0;
     for (std::size_t i = 0; i < sites.size();) {
-      const std::size_t group = sites[i].is_junction || dice_.unit() >= chance ? 1 : run_length(sites, i, static_cast<std::size_t>(size));
-      if (group == 1 || !grow_branched(sites, i, group))
+      std::size_t group = sites[i].is_junction || most == 1 ? 1 : run_length(sites, i, most);
+      // What branch_share lacks so far decides, with a random threshold: singles that cannot branch are made up for by others.
+      const double lacking = options_.branch_share * static_cast<double>(i + group) - static_cast<double>(branched);
+      if (group > 1 && !(lacking > dice_.unit() * static_cast<double>(group))) group = 1;
+      if (group > 1 && grow_branched(sites, i, group))
+        branched += group;
+      else
         for (std::size_t k = i; k < i + group; ++k) grow_single(sites, k);
       i += group;
     }

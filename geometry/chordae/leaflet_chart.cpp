@@ -14,8 +14,11 @@ namespace mv {
 namespace {
 
 constexpr double notch_prominence = 0.1;  // share of the leaflet's height
+constexpr long bin_count = 128;           // strips of u in which a point of the pattern is looked for
 
 std::size_t at_index(int i) { return static_cast<std::size_t>(i); }
+
+long bin_of(double u, double period) { return static_cast<long>(std::floor(u / period * static_cast<double>(bin_count))); }
 
 // Barycentric coordinates of the point of triangle (a, b, c) nearest to p, all in the plane.
 Vec3 nearest_barycentric(const Vec2& p, const Vec2& a, const Vec2& b, const Vec2& c) {
@@ -59,6 +62,8 @@ LeafletChart::LeafletChart(const LeafletMesh& mesh) : points_(mesh.points), unfo
   ventricular_ = side_face(mesh, ventricular);
   if (atrial_.triangles.empty() || ventricular_.triangles.empty())
     throw InputError("chordae: the leaflet mesh has no atrial or no ventricular face (point array 'side')");
+  sort_into_bins(atrial_);
+  sort_into_bins(ventricular_);
   build_border(mesh);
   find_junctions();
 }
@@ -77,10 +82,27 @@ LeafletChart::Face LeafletChart::side_face(const LeafletMesh& mesh, int side) {
   return face;
 }
 
+void LeafletChart::sort_into_bins(Face& face) const {
+  face.bins.assign(bin_count, {});
+  for (std::size_t t = 0; t < face.triangles.size(); ++t) {
+    const double first = unfolded_[at_index(face.triangles[t][0])].x();
+    double low = first, high = first;
+    for (int p : face.triangles[t]) {
+      const double u = nearest_image(unfolded_[at_index(p)].x(), first, period_);
+      low = std::min(low, u);
+      high = std::max(high, u);
+    }
+    for (long k = bin_of(low, period_); k <= bin_of(high, period_); ++k)
+      face.bins[static_cast<std::size_t>((k % bin_count + bin_count) % bin_count)].push_back(static_cast<int>(t));
+  }
+}
+
 LeafletChart::Hit LeafletChart::locate(const Face& face, const Vec2& uv) const {
   Hit hit{Vec3::Zero(), 0};
   double best = std::numeric_limits<double>::max();
-  for (std::size_t t = 0; t < face.triangles.size(); ++t) {
+  int best_triangle = -1;
+  const auto visit = [&](int triangle) {
+    const std::size_t t = at_index(triangle);
     std::array<Vec2, 3> p;
     double gap_v = 0;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -90,15 +112,28 @@ LeafletChart::Hit LeafletChart::locate(const Face& face, const Vec2& uv) const {
     // A triangle cannot be nearer than its bounding box in v.
     const double low = std::min({p[0].y(), p[1].y(), p[2].y()}), high = std::max({p[0].y(), p[1].y(), p[2].y()});
     gap_v = std::max({low - uv.y(), uv.y() - high, 0.0});
-    if (gap_v * gap_v > best) continue;
+    if (gap_v * gap_v > best) return;
     const Vec3 w = nearest_barycentric(uv, p[0], p[1], p[2]);
     const double distance = (w[0] * p[0] + w[1] * p[1] + w[2] * p[2] - uv).squaredNorm();
-    if (distance < best) {
+    // Of equally near triangles the first counts, whatever the order in which they are met.
+    if (distance < best || (distance == best && triangle < best_triangle)) {
       best = distance;
+      best_triangle = triangle;
       hit.region = face.regions[t];
       hit.position.setZero();
       for (int i = 0; i < 3; ++i)
         hit.position += w[i] * points_[at_index(face.triangles[t][at_index(i)])];
+    }
+  };
+  const long middle = bin_of(uv.x(), period_);
+  const double width = period_ / bin_count, within = uv.x() - static_cast<double>(middle) * width;
+  for (long k = 0; 2 * k <= bin_count; ++k) {
+    // Everything within k - 1 strips has been met.
+    const double clear = static_cast<double>(k - 1) * width + std::min(within, width - within);
+    if (k > 0 && clear > 0 && clear * clear > best) break;
+    for (const long bin : {middle - k, middle + k}) {
+      for (int t : face.bins[static_cast<std::size_t>((bin % bin_count + bin_count) % bin_count)]) visit(t);
+      if (k == 0) break;
     }
   }
   return hit;

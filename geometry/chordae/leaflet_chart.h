@@ -54,11 +54,13 @@ class LeafletChart {
   struct Face {
     std::vector<std::array<int, 3>> triangles;
     std::vector<int> regions;
+    std::vector<std::vector<int>> bins;  // triangles that reach into each strip of u, ascending
   };
   struct Hit {
     Vec3 position;
     int region;
   };
+  void sort_into_bins(Face& face) const;
   static Face side_face(const LeafletMesh& mesh, int side);
   void build_border(const LeafletMesh& mesh);
   void find_junctions();

@@ -14,6 +14,7 @@ namespace mv {
 namespace {
 
 constexpr double growth = 1.25;
+constexpr double same_hit = 1e-9;  // share of a chorda's length
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -137,15 +138,18 @@ std::optional<Vec3> LeafletProbe::crossing(const Vec3& a, const Vec3& b, double 
   if (!(length > spared)) return std::nullopt;
   const Vec3 end = a + (b - a) * ((length - spared) / length), direction = end - a;
   const Vec3 low = a.cwiseMin(end), high = a.cwiseMax(end);
-  double first = 2;
+  std::vector<double> hits;
   for (const Face* face : {&atrial_, &ventricular_})
     for (const auto& t : face->triangles) {
       const Vec3 &p = points_[at(t[0])], &q = points_[at(t[1])], &r = points_[at(t[2])];
       if ((p.cwiseMin(q).cwiseMin(r).array() > high.array()).any() || (p.cwiseMax(q).cwiseMax(r).array() < low.array()).any()) continue;
-      if (const double s = pierce(a, direction, p, q, r); s >= 0) first = std::min(first, s);
+      if (const double s = pierce(a, direction, p, q, r); s >= 0) hits.push_back(s);
     }
-  if (first > 1) return std::nullopt;
-  return Vec3(a + first * direction);
+  std::sort(hits.begin(), hits.end());
+  // An edge or corner is met by all its triangles at once.
+  hits.erase(std::unique(hits.begin(), hits.end(), [](double x, double y) { return y - x < same_hit; }), hits.end());
+  if (hits.size() < 2) return std::nullopt;
+  return Vec3(a + hits.front() * direction);
 }
 
 InfluenceSphere sphere_at(const LeafletGraph& graph, const Vec3& centre, const Vec3& end, const Vec3& normal, double radius, GrownSphere* grown, int tries) {

@@ -29,7 +29,8 @@ class LeafletProbe {
   };
   Place nearest(const Vec3& x) const;
 
-  /// Where the segment from `a` to `b` (mm) first passes through the leaflets' surface more than `spared` mm before `b`, if it does.
+  /// Where the segment from `a` to `b` (mm) first enters a leaflet that it leaves again more than `spared` mm before `b`, if it does. To enter
+  /// the one it ends in is no crossing, however flat the way.
   std::optional<Vec3> crossing(const Vec3& a, const Vec3& b, double spared) const;
 
   double border_length() const { return border_length_; }  // mm, of the atrial face

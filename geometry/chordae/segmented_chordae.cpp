@@ -71,6 +71,7 @@ class Attachment {
     join_gaps();
     settle_loose_ends();
     drop_segments_on_leaflet();
+    root_the_rootless();
     settle_pieces();
     count_loops();
     for (const Network::Segment& s : network_.segments) report_.length_total += s.length;
@@ -170,6 +171,30 @@ class Attachment {
     if (dropped == 0) return;
     report_.dropped_segments += dropped;
     report_.notes.push_back(fmt::format("{} segments that run from leaflet to leaflet left out", dropped));
+  }
+
+  // A muscle's point where several chordae spring is no loose end: in a piece without root the point nearest to a muscle is one.
+  void root_the_rootless() {
+    const auto piece = network_.pieces_of_segments([&](int p) { return roles_[at(p)].kind == PointRole::end; });
+    struct Nearest {
+      bool has_root = false;
+      int point = -1, muscle = -1;
+      double distance = std::numeric_limits<double>::max();
+    };
+    std::map<int, Nearest> pieces;
+    for (std::size_t s = 0; s < piece.size(); ++s)
+      for (int p : {network_.segments[s].a, network_.segments[s].b}) {
+        Nearest& n = pieces[piece[s]];
+        n.has_root |= roles_[at(p)].kind == PointRole::root;
+        const auto [muscle, distance] = muscles_.nearest(network_.points[at(p)]);
+        if (roles_[at(p)].kind == PointRole::inner && distance < n.distance) {
+          n.point = p;
+          n.muscle = muscle;
+          n.distance = distance;
+        }
+      }
+    for (const auto& [id, n] : pieces)
+      if (!n.has_root && n.point >= 0 && n.distance <= options_.root_reach) roles_[at(n.point)] = {PointRole::root, n.muscle, {}};
   }
 
   // Trees part at leaflet ends and roots: what hangs on the leaflet alone is no chorda.

@@ -3,8 +3,8 @@
 
 // A segmented network of chordae hung on a valve: trees stay trees, with their branch points.
 //
-//   roots   points said to be roots, else loose ends of the network that lie nearer to a muscle than to the leaflets. Each goes to
-//           the muscle whose tip or head is nearest and stays where it was segmented (the muscle carries it along).
+//   roots   points said to be roots, else loose ends near a muscle, else a piece's point nearest to a muscle. Each goes to the
+//           muscle whose tip or head is nearest and stays where it was segmented (the muscle carries it along).
 //   ends    points said to be on the leaflet, else the other loose ends. Each is projected on the leaflet and holds it by an influence
 //           sphere (insertion.h) of radius R where the chorda reaches the leaflet without a branch, R/2 otherwise (papers/s0, 2.1).
 //   kind    by where the end lies, h the leaflet's height there: within `border_band` of the border primary; nearer to the annulus than

@@ -7,7 +7,7 @@ endif()
 if(TARGET mv_report)
   find_package(ZLIB REQUIRED)
   mv_add_test(unit_report
-    SOURCES unit/report/raster_test.cpp unit/report/png_test.cpp unit/report/report_test.cpp unit/report/compare_reference_test.cpp support/synthetic_results.cpp
+    SOURCES unit/report/raster_test.cpp unit/report/png_test.cpp unit/report/report_test.cpp unit/report/compare_test.cpp unit/report/compare_reference_test.cpp support/synthetic_results.cpp
     LIBRARIES mv_report ZLIB::ZLIB)
   add_executable(make_synthetic_results ${CMAKE_CURRENT_LIST_DIR}/../support/make_synthetic_results.cpp
                                         ${CMAKE_CURRENT_LIST_DIR}/../support/synthetic_results.cpp)

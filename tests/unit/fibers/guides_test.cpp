@@ -81,6 +81,9 @@ TEST(Nematic, keeps_between_the_given_angles_on_an_obtuse_mesh) {
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
     if (mesh.on_annulus[i]) given.push_back({static_cast<int>(i), on_cylinder(mesh.points[i], 0), 1});
     if (mesh.on_free_edge[i]) given.push_back({static_cast<int>(i), on_cylinder(mesh.points[i], top), 1});
+    // The exact field on the slanted sides, where nothing given would bend it.
+    const double along = mesh.unfolded[i].x() - 2.0 * mesh.unfolded[i].y(), share = mesh.unfolded[i].y() / 10;
+    if (along < 1e-9 || along > 20 - 1e-9) given.push_back({static_cast<int>(i), on_cylinder(mesh.points[i], 0.5 * std::arg((1 - share) + share * std::polar(1.0, 2 * top))), 1});
   }
   const NematicField field = diffuse_directions(mesh, all_elements(mesh), given);
   EXPECT_TRUE(field.on_surface);  // chosen by itself
@@ -98,16 +101,13 @@ TEST(Nematic, keeps_between_the_given_angles_on_an_obtuse_mesh) {
     const double deviation = degrees_between(field.directions[e], on_cylinder(x, 0.5 * std::arg(z)));
     largest_order = std::max(largest_order, field.order[e]);
     worst = std::max(worst, deviation);
-    const double u = std::atan2(x.y(), x.x()) * 12 + 2 * x.z();
-    if (u > 3 && u < 17) {
-      inner += deviation;
-      ++count;
-    }
+    inner += deviation;
+    ++count;
   }
   std::cout << "deviation from the exact field: mean " << inner / static_cast<double>(count) << " deg, worst " << worst << " deg\n";
   EXPECT_LE(largest_order, 1 + 1e-9);
-  EXPECT_LT(inner / static_cast<double>(count), 1.0);
-  EXPECT_LT(worst, 6.0);
+  EXPECT_LT(inner / static_cast<double>(count), 0.7);
+  EXPECT_LT(worst, 4.0);
 }
 
 TEST(Guides, a_drawn_arc_is_followed_within_a_degree) {
