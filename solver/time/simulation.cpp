@@ -128,7 +128,7 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
     // The tangent of contact belongs to these positions, also after a resume or a rollback.
     if (structure_->contact()) refresh(state);
     if (coupling_) coupling_->bind({state.x, state.v, structure_->is_fixed()});
-    if (coupling_ && config.flag("coupling.relaxation")) update_relaxation(state);
+    if (!coupling_ || config.flag("coupling.relaxation")) update_relaxation(state);  // without blood it only says where to look for stiff nodes
     if (is_probed) stable_step_->look_at_stiff_nodes(state);
     stable_step_->update(state, *structure_, coupling_ ? &*coupling_ : nullptr, fluid_ ? &*fluid_ : nullptr, estimate_products);
     state.last_estimate = state.step;
@@ -246,14 +246,13 @@ void Simulation::advance(State& state, double dt) {
   } else {
     const auto& fixed = structure_->is_fixed();
     const auto& masses = structure_->masses();
-    const double decay = 1.0 / (1.0 + dt * structure_->damping_rate());
+    const double rate = structure_->damping_rate(), decay = 1.0 / (1.0 + dt * rate);
     double damped = 0;
     for (std::size_t i = 0; i < fixed.size(); ++i) {
       if (fixed[i]) continue;
       for (std::size_t a = 3 * i; a < 3 * i + 3; ++a) {
-        const double pushed = state.v[a] + dt * forces_[a] / masses[i];
-        state.v[a] = pushed * decay;
-        damped += 0.5 * masses[i] * (pushed * pushed - state.v[a] * state.v[a]);
+        state.v[a] = (state.v[a] + dt * forces_[a] / masses[i]) * decay;
+        damped += dt * rate * masses[i] * state.v[a] * state.v[a];
         state.x[a] += dt * state.v[a];
       }
     }
