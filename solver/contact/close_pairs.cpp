@@ -208,6 +208,12 @@ void ClosePairs::update(std::span<const double> x, double radius) {
     for (const ClosePair& pair : list) pairs_[static_cast<std::size_t>(next[static_cast<std::size_t>(shell_of(pair))]++)] = pair;
 }
 
+double ClosePairs::longest_edge(std::span<const double> x) const {
+  double squared = 0;
+  for (const auto& [a, b] : edges_) squared = std::max(squared, (point(x, a) - point(x, b)).squaredNorm());
+  return std::sqrt(squared);
+}
+
 std::span<const ClosePair> ClosePairs::pairs_within(double distance) const {
   if (!(distance < radius_)) return pairs_;
   const int shell = std::clamp(static_cast<int>(distance / radius_ * shells), 0, shells - 1);

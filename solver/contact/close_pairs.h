@@ -38,6 +38,7 @@ class ClosePairs {
   std::span<const ClosePair> pairs_within(double distance) const;
   double radius() const { return radius_; }
   const std::vector<int>& vertices() const { return used_; }  // those of the triangles, ascending
+  double longest_edge(std::span<const double> x) const;  // m
   int edge_count() const { return static_cast<int>(edges_.size()); }
 
  private:

@@ -25,6 +25,7 @@ constexpr double recovery_accepted = 0.5;    // ... of which so much will do
 // Search radius: so many steps like this one, within shares of the mean edge; it must hold for this step anyhow.
 constexpr double steps_per_search = 20, radius_share_least = 0.05, radius_share_most = 0.3;
 constexpr double room = 1.25;                // of a search's radius over what this step needs
+constexpr double range_share = 3;            // mean edges: what lies further apart has to come by its whole motion
 
 Vec3 at(std::span<const double> x, int node) { return Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(node)); }
 
@@ -135,45 +136,55 @@ bool CrossingGuard::stop(const ClosePair& pair, std::span<const double> x0) {
   return true;
 }
 
-/// Lists hold while no pair outside them can have come within reach: two vertices' motions since the search must stay below the radius. True when renewed.
+/// Lists hold while no pair outside them can have come within reach: what lay within range by its relative motion, what lay beyond by any. True when renewed.
 bool CrossingGuard::renew_lists(std::span<const double> x0) {
-  std::vector<std::array<double, 2>> largest(static_cast<std::size_t>(thread_count()), {0.0, 0.0});
   const auto& used = pairs_.vertices();
-  parallel_ranges(static_cast<std::ptrdiff_t>(used.size()), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
-    double since = 0, step = 0;
-    bool is_finite = true;
-    for (std::ptrdiff_t k = begin; k < end; ++k) {
-      const int v = used[static_cast<std::size_t>(k)];
-      const Vec3 from = at(x0, v) - at(x_search_, v), d = dx_[static_cast<std::size_t>(v)];
-      const double moved = d.squaredNorm();
-      since = std::max({since, from.squaredNorm(), (from + d).squaredNorm()});
-      step = std::max(step, moved);
-      is_finite = is_finite && std::isfinite(moved);
+  since_.resize(used.size());
+  until_.resize(used.size());
+  std::vector<std::array<double, 2>> largest(static_cast<std::size_t>(thread_count()), {0.0, 0.0});
+  const auto measure = [&] {
+    parallel_ranges(static_cast<std::ptrdiff_t>(used.size()), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
+      double moved = 0, longest = 0;
+      bool is_finite = true;
+      for (std::ptrdiff_t k = begin; k < end; ++k) {
+        const auto q = static_cast<std::size_t>(k);
+        const Vec3 step = dx_[static_cast<std::size_t>(used[q])];
+        since_[q] = at(x0, used[q]) - at(x_search_, used[q]);
+        until_[q] = since_[q] + step;
+        moved = std::max({moved, since_[q].squaredNorm(), until_[q].squaredNorm()});
+        longest = std::max(longest, step.squaredNorm());
+        is_finite = is_finite && std::isfinite(until_[q].squaredNorm());
+      }
+      largest[static_cast<std::size_t>(thread)] = {is_finite ? moved : NAN, longest};
+    });
+    std::array<double, 2> all{0, 0};
+    for (const auto& l : largest) {
+      if (!std::isfinite(l[0])) throw TrustError("contact: positions are not finite; the run has diverged");
+      for (int c = 0; c < 2; ++c) all[c] = std::max(all[c], std::sqrt(l[c]));
     }
-    largest[static_cast<std::size_t>(thread)] = {is_finite ? since : NAN, is_finite ? step : NAN};
-  });
-  double since = 0, step = 0;
-  for (const auto& l : largest) {
-    if (!std::isfinite(l[0])) throw TrustError("contact: positions are not finite; the run has diverged");
-    since = std::max(since, l[0]);
-    step = std::max(step, l[1]);
+    return all;  // moved since the search, moved in this step
+  };
+  const auto [moved, step] = measure();
+  if (has_searched_ && 2 * moved + options_.least_distance < range_) {
+    approach_ = std::max(neighbours_.bound(since_), neighbours_.bound(until_));
+    if (approach_ + options_.least_distance < pairs_.radius()) return false;
   }
-  moved_since_search_ = std::sqrt(since);
-  if (has_searched_ && 2 * moved_since_search_ + options_.least_distance < pairs_.radius()) return false;
-  step = std::sqrt(step);
-  const double needed = room * (2 * step + options_.least_distance);
-  const double wished = std::clamp(steps_per_search * step, radius_share_least * mean_edge_, radius_share_most * mean_edge_);
-  pairs_.update(x0, std::max(needed, wished));
   std::copy_n(x0.begin(), x_search_.size(), x_search_.begin());
   has_searched_ = true;
-  moved_since_search_ = step;
+  measure();
+  range_ = std::max(range_share * mean_edge_, room * (2 * step + options_.least_distance));
+  neighbours_.place(x0, used, range_ + 2 * pairs_.longest_edge(x0));
+  approach_ = neighbours_.bound(until_);
+  const double needed = room * (approach_ + options_.least_distance);
+  const double wished = std::clamp(steps_per_search * approach_, radius_share_least * mean_edge_, radius_share_most * mean_edge_);
+  pairs_.update(x0, std::min(range_, std::max(needed, wished)));
   return true;
 }
 
 /// Pairs that come too near, in an order of their own; after the first look only those that a change may concern.
 void CrossingGuard::find_offenders(std::span<const double> x0, bool is_first, GuardResult& result) {
   if (renew_lists(x0)) result.searched = is_first = true;
-  const auto near = pairs_.pairs_within(2 * moved_since_search_ + options_.least_distance);
+  const auto near = pairs_.pairs_within(approach_ + options_.least_distance);
   is_offender_.assign(near.size(), 0);
   parallel_pieces(static_cast<std::ptrdiff_t>(near.size()), 256, [&](std::ptrdiff_t begin, std::ptrdiff_t end, int) {
     for (std::ptrdiff_t k = begin; k < end; ++k) {

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "solver/contact/close_pairs.h"
+#include "solver/contact/relative_motion.h"
 
 namespace mv {
 
@@ -71,8 +72,11 @@ class CrossingGuard {
   double mean_edge_ = 0;
   std::vector<double> x_search_;      // positions of the last search
   bool has_searched_ = false;
+  RelativeMotion neighbours_;
+  double range_ = 0;                  // m, what lies further away than this was not looked at by neighbours_
   // Of a call.
-  double moved_since_search_ = 0;     // m, an upper bound for every vertex, over the whole step
+  double approach_ = 0;               // m, a bound on what two vertices within range have moved relative to each other since the search, over the whole step
+  std::vector<Vec3> since_, until_;   // m, motion since the search of each vertex of pairs_.vertices(), up to the begin and to the end of the step
   std::vector<Vec3> dx_;              // per vertex
   std::vector<char> changed_;         // per vertex: since the last look
   std::vector<char> touched_;         // per vertex: by this call

@@ -254,15 +254,14 @@ void Simulation::advance(State& state, double dt) {
   } else {
     const auto& fixed = structure_->is_fixed();
     const auto& masses = structure_->masses();
-    const double decay = 1.0 / (1.0 + dt * structure_->damping_rate());
+    const double rate = structure_->damping_rate(), decay = 1.0 / (1.0 + dt * rate);
     double damped = 0;
     if (structure_->annulus_motion()) move_annulus(state, dt);
     for (std::size_t i = 0; i < fixed.size(); ++i) {
       if (fixed[i]) continue;
       for (std::size_t a = 3 * i; a < 3 * i + 3; ++a) {
-        const double pushed = state.v[a] + dt * forces_[a] / masses[i];
-        state.v[a] = pushed * decay;
-        damped += 0.5 * masses[i] * (pushed * pushed - state.v[a] * state.v[a]);
+        state.v[a] = (state.v[a] + dt * forces_[a] / masses[i]) * decay;
+        damped += dt * rate * masses[i] * state.v[a] * state.v[a];
         state.x[a] += dt * state.v[a];
       }
     }
