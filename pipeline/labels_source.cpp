@@ -80,7 +80,7 @@ RawLeaflets read_label_leaflets(const Config& config, nlohmann::ordered_json& me
   raw.region = mid.label;
   raw.thickness = mid.thickness;
   take_landmarks(marks, raw);
-  for (const auto* notes : {&image_notes, &parts.notes, &surface.notes, &mid.notes, &marks.notes}) add_notes(raw, *notes);
+  for (const std::vector<std::string>* notes : std::initializer_list<const std::vector<std::string>*>{&image_notes, &parts.notes, &surface.notes, &mid.notes, &marks.notes}) add_notes(raw, *notes);
   add_measures(surface, mid, marks, measures);
   return raw;
 }

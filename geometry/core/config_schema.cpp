@@ -63,7 +63,7 @@ const Row rows[] = {
     {"labels.transform", "choice auto|sform|qform|spacing", "auto", "", "which of the file's transforms places the image; auto: the one there is, or both when they agree; spacing: voxel sizes only, axes taken as right, anterior, superior"},
     {"labels.unit", "choice auto|mm|m|um", "auto", "", "unit of length of the file; auto: what its header says"},
     {"labels.smoothing", "number", "3", "0 .. 20", "stair steps shorter than 2 pi times so many voxels vanish from the leaflets' surface, within what the voxels allow"},
-    {"labels.hole_radius", "number", "2", "0 .. 10", "holes through the leaflets up to about twice so many voxels wide, as thin spots leave, are filled; 0 keeps them"},
+    {"labels.hole_radius", "number", "2.5", "0 .. 3", "holes through the leaflets up to about twice so many voxels wide, as thin spots leave, are filled; 0 keeps them"},
     {"labels.island_share", "number", "0.05", "0 .. 1", "separate groups of leaflet voxels below this share of the largest are removed"},
 
     {"patient.annulus", "path", "", "", "CSV of the annulus (columns x_mm,y_mm,z_mm, ordered, closed), where the source does not find it or finds it wrongly"},

@@ -37,14 +37,65 @@ long euler_characteristic(const Mask& mask, const Box& box) {
   return sum;
 }
 
-/// Voxels that dilation and erosion by a ball add.
-std::vector<char> closing(const Mask& mask, double radius) {
-  const Vec3 voxels = Vec3::Ones();
-  const auto to_mask = distance_map(mask.size, voxels, [&](std::size_t v) { return mask.inside[v] != 0; });
-  const auto to_rest = distance_map(mask.size, voxels, [&](std::size_t v) { return to_mask[v] > radius; });
-  std::vector<char> added(mask.inside.size());
-  for (std::size_t v = 0; v < added.size(); ++v) added[v] = mask.inside[v] == 0 && to_rest[v] > radius;
-  return added;
+/// Whether taking the middle of a 3 x 3 x 3 neighbourhood out of the object leaves its topology as it is, objects connected by 26, background by 6 neighbours
+/// (Bertrand and Malandain 1994): one group of object voxels around it, and one group of background voxels, within the 18 neighbours,
+/// that touches its faces.
+bool is_simple(const std::array<char, 27>& around) {
+  const auto place = [](int n) { return std::array<int, 3>{n % 3, n / 3 % 3, n / 9}; };
+  const auto groups = [&](bool of_object) {
+    std::array<char, 27> is_seen{};
+    int count = 0;
+    for (int first = 0; first < 27; ++first) {
+      const auto f = place(first);
+      const int off = (f[0] != 1) + (f[1] != 1) + (f[2] != 1);
+      if (first == 13 || is_seen[static_cast<std::size_t>(first)] || (around[static_cast<std::size_t>(first)] != 0) != of_object || (!of_object && off != 1)) continue;
+      ++count;
+      std::array<int, 27> open{first};
+      is_seen[static_cast<std::size_t>(first)] = 1;
+      for (int at = 0, end = 1; at < end; ++at) {
+        const auto x = place(open[static_cast<std::size_t>(at)]);
+        for (int next = 0; next < 27; ++next) {
+          const auto y = place(next);
+          const int apart = std::abs(x[0] - y[0]) + std::abs(x[1] - y[1]) + std::abs(x[2] - y[2]);
+          const bool is_near = of_object ? std::max({std::abs(x[0] - y[0]), std::abs(x[1] - y[1]), std::abs(x[2] - y[2])}) == 1 : apart == 1;
+          const bool is_corner = y[0] != 1 && y[1] != 1 && y[2] != 1;
+          if (!is_near || next == 13 || is_seen[static_cast<std::size_t>(next)] || (around[static_cast<std::size_t>(next)] != 0) != of_object || (!of_object && is_corner)) continue;
+          is_seen[static_cast<std::size_t>(next)] = 1;
+          open[static_cast<std::size_t>(end++)] = next;
+        }
+      }
+    }
+    return count;
+  };
+  return groups(true) == 1 && groups(false) == 1;
+}
+
+/// The mask grown by `radius`, then thinned from the outside in without changing its topology and without touching the mask: what is left over are patches one voxel
+/// thick across holes narrower than twice the radius (hole closing, Aktouf, Bertrand, Perroton 2002), and bridges across gaps. Returns these
+/// voxels.
+std::vector<char> patches(const Mask& mask, double radius) {
+  const auto distance = distance_map(mask.size, Vec3::Ones(), [&](std::size_t v) { return mask.inside[v] != 0; });
+  std::vector<char> grown(distance.size());
+  std::vector<std::size_t> order;
+  for (std::size_t v = 0; v < distance.size(); ++v) {
+    grown[v] = distance[v] <= radius;
+    if (grown[v] && distance[v] > 0) order.push_back(v);
+  }
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return distance[a] != distance[b] ? distance[a] > distance[b] : a < b; });
+  const std::size_t nx = static_cast<std::size_t>(mask.size[0]), nxy = nx * static_cast<std::size_t>(mask.size[1]);
+  for (bool has_changed = true; has_changed;) {
+    has_changed = false;
+    std::erase_if(order, [&](std::size_t v) {
+      std::array<char, 27> around;
+      for (std::size_t n = 0; n < 27; ++n) around[n] = grown[v + n % 3 + n / 3 % 3 * nx + n / 9 * nxy - 1 - nx - nxy];
+      if (!is_simple(around)) return false;
+      grown[v] = 0;
+      has_changed = true;
+      return true;
+    });
+  }
+  for (std::size_t v = 0; v < grown.size(); ++v) grown[v] = grown[v] != 0 && mask.inside[v] == 0;
+  return grown;
 }
 
 bool is_interior(const Mask& mask, const std::array<int, 3>& x) {
@@ -58,7 +109,8 @@ bool is_interior(const Mask& mask, const std::array<int, 3>& x) {
 int fill_holes(Mask& mask, double radius, long* set) {
   if (set != nullptr) *set = 0;
   if (radius <= 0) return 0;
-  std::vector<char> added = closing(mask, radius);
+  radius = std::min(radius, Mask::margin_voxels - 1.0);  // or the grown mask would reach the border
+  std::vector<char> added = patches(mask, radius);
   int holes = 0;
   for (int k = 2; k + 2 < mask.size[2]; ++k)
     for (int j = 2; j + 2 < mask.size[1]; ++j)

@@ -15,7 +15,7 @@ namespace mv {
 struct LabelSurfaceOptions {
   double smoothing = 3;             // voxels, lambda of mesh_smoothing.h
   double reach = 0.6;               // voxels by which smoothing may move a point
-  double hole_radius = 2;           // voxels: holes through the leaflets up to about twice as wide are filled
+  double hole_radius = 2.5;         // voxels: holes through the leaflets up to about twice as wide are filled
   double volume_tolerance = 0.02;   // of the labels' volume
 };
 

@@ -15,7 +15,7 @@ struct Mask {
   std::array<int, 3> size{};
   Vec3 spacing = Vec3::Ones();  // mm
   std::vector<char> inside;     // per voxel, i fastest
-  static constexpr int margin_voxels = 3;
+  static constexpr int margin_voxels = 4;
 };
 
 /// Sheets one voxel thick hang together by edges and corners of their voxels only, which an isosurface cuts into a ladder. Sets further voxels
@@ -23,9 +23,9 @@ struct Mask {
 /// Eckhardt, Rosenfeld 1995): of the candidates the one with the most neighbours inside. Returns how many were set.
 long join_diagonals(Mask& mask);
 
-/// Fills small holes through sheets: groups of voxels that a closing by `radius` voxels (a ball in units of voxels) would set are set when that
-/// makes the Euler characteristic of the mask larger, i.e. a tunnel less and no bridge more; gaps between two sheets stay open. Returns
-/// the number of holes; `set` counts the voxels.
+/// Fills small holes through sheets, those in which no ball of `radius` voxels (at most margin_voxels - 1) passes, with patches one voxel thick. A patch stays
+/// only when it makes the Euler characteristic of the mask larger, i.e. a tunnel less and no bridge more: gaps between two sheets stay
+/// open. Returns the number of holes; `set` counts the voxels.
 int fill_holes(Mask& mask, double radius, long* set = nullptr);
 
 struct MaskField {

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cstdio>
 
 #include "geometry/core/errors.h"
 #include "geometry/image/mask_field.h"

@@ -127,7 +127,6 @@ TEST(Nifti, scaled_values_are_labels_when_whole) {
   NiftiFile f = sample();
   f.slope = 2, f.inter = -4;
   f.set_type(4, 16);
-  for (double& v : f.values) v = (v + 4) / 2 * 2;  // stored even numbers only
   for (std::size_t v = 0; v < f.values.size(); ++v) f.values[v] = 10;
   EXPECT_EQ(read(f, dir).image.values[3], 16);
   f.slope = std::nan(""), f.inter = std::nan("");
