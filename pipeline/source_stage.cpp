@@ -5,14 +5,12 @@
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
 #include "pipeline/generic_source.h"
-#include "pipeline/labels_source.h"
 
 namespace mv {
 
 const std::vector<SourceKind>& source_kinds() {
   static const std::vector<SourceKind> kinds = {
       {"generic", "four-semicircle valve on an elliptic or a measured annulus", make_generic_source},
-      {"labels", "leaflets, annulus and papillary tips from a NIfTI label map", make_labels_source},
   };
   return kinds;
 }
