@@ -11,6 +11,7 @@
 #include "geometry/core/errors.h"
 #include "geometry/core/parallel.h"
 #include "solver/contact/intersection.h"
+#include "solver/contact/relative_motion.h"
 #include "solver/contact/self_contact.h"
 #include "unit/contact/shapes.h"
 
@@ -159,6 +160,34 @@ TEST(ClosePairs, search_finds_what_comparing_all_finds) {
 TEST(ClosePairs, wrong_input_is_refused) {
   const std::vector<std::array<int, 3>> triangles{{0, 1, 3}};
   EXPECT_THROW(ClosePairs(3, triangles), InputError);
+}
+
+TEST(RelativeMotion, bound_holds_for_all_neighbours_and_ignores_common_motion) {
+  const TriangleMesh mesh = layers(3, 0.45 * mm);
+  Random random;
+  std::vector<int> vertices;
+  std::vector<Vec3> u;
+  for (int n = 0; n < mesh.node_count(); ++n) {
+    vertices.push_back(n);
+    const Vec3 p = mesh.point(n);
+    // Turning about a far axis, and some noise: far vertices move apart, near ones hardly.
+    u.push_back(Vec3(30 * mm, 0, 0) + 0.2 * Vec3(-p[1], p[0], 0) + random.vector(0.01 * mm));
+  }
+  RelativeMotion motion;
+  for (double cell : {0.5 * mm, 1 * mm}) {
+    motion.place(mesh.x, vertices, cell);
+    const double bound = motion.bound(u);
+    double near = 0, any = 0;
+    for (std::size_t i = 0; i < u.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const double apart = (u[i] - u[j]).norm();
+        any = std::max(any, apart);
+        if ((mesh.point(vertices[i]) - mesh.point(vertices[j])).norm() < cell) near = std::max(near, apart);
+      }
+    std::printf("cells of %.1f mm: neighbours move apart by %.3f mm, bound %.3f mm; any two by %.3f mm, all by 30 mm\n", 1e3 * cell, 1e3 * near, 1e3 * bound, 1e3 * any);
+    EXPECT_GE(bound, near);
+    EXPECT_LT(bound, any);
+  }
 }
 
 struct Motion {
