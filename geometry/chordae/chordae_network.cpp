@@ -134,10 +134,12 @@ void Network::merge_runs(const Ask& may_vanish) {
     double flexibility = 0;  // length over area
     run.length = 0;
     double rest = 0;
+    int pieces = 0;
     bool is_rest_known = true;
     int s = first, p = from;
     while (true) {
       is_done[at(s)] = 1;
+      ++pieces;
       const Segment& piece = segments[at(s)];
       run.length += piece.length;
       flexibility += piece.length / piece.area;
@@ -150,8 +152,10 @@ void Network::merge_runs(const Ask& may_vanish) {
       if (is_done[at(s)]) break;
     }
     run.b = p;
-    run.area = run.length / flexibility;
-    run.rest_length = is_rest_known ? rest : std::numeric_limits<double>::quiet_NaN();
+    if (pieces > 1) {
+      run.area = run.length / flexibility;
+      run.rest_length = is_rest_known ? rest : std::numeric_limits<double>::quiet_NaN();
+    }
     if (run.a != run.b) merged.push_back(run);  // a run back to where it started carries nothing
   };
   for (std::size_t p = 0; p < points.size(); ++p) {

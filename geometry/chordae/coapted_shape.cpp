@@ -13,6 +13,7 @@ constexpr int samples = 64;         // meridians from commissure to commissure
 constexpr int notch_window = 5;     // samples either side within which the longest meridian counts: a notch does not raise the belt
 constexpr int smoothing_window = 4;
 constexpr double depth_step = 0.25; // mm
+constexpr double worthwhile = 0.3;  // mm of overlap won per mm of depth given up
 constexpr double length_step = 1.0; // mm
 
 template <class F>
@@ -55,11 +56,15 @@ CoaptedShape::CoaptedShape(const LeafletChart& chart, const Annulus& annulus, do
   std::vector<double> depth;
   for (std::size_t i = 0; i <= samples; ++i) {
     double d = coaptation_depth;
-    const auto overlaps = [&] {
-      const Vec3 t = top(i, d);
-      return reach_a[i] >= (t - start[0][i]).norm() + belt_wanted && reach_p[i] >= (t - start[1][i]).norm() + belt_wanted;
+    const auto overlap = [&](double asked) {
+      const Vec3 t = top(i, asked);
+      return std::min(reach_a[i] - (t - start[0][i]).norm(), reach_p[i] - (t - start[1][i]).norm());
     };
-    while (d > depth_least && !overlaps()) d -= depth_step;
+    while (d > depth_least) {
+      const double now = overlap(d);
+      if (now >= belt_wanted || (now > 0 && overlap(d - depth_step) - now < worthwhile * depth_step)) break;
+      d -= depth_step;
+    }
     depth.push_back(std::min(coaptation_depth, std::max(d, depth_least)));
   }
   depth = over_window(depth, smoothing_window, mean);

@@ -128,16 +128,20 @@ class Attachment {
     }
   }
 
-  // A loose end goes on to the nearest point of another piece.
+  // A loose end goes on to the nearest point of another piece. So does one that passes for a root but lies nearer to the inside of another
+  // piece than to its muscle.
   void join_gaps() {
     const auto piece = network_.pieces();
+    const auto degree = network_.degrees();
     for (std::size_t p = 0; p < roles_.size(); ++p) {
-      if (roles_[p].kind != PointRole::loose) continue;
+      const bool may_be_root = roles_[p].kind == PointRole::root && !network_.is_root[p] && degree[p] == 1;
+      if (roles_[p].kind != PointRole::loose && !may_be_root) continue;
       int best = -1;
-      double distance = options_.gap;
+      double distance = may_be_root ? std::min(options_.gap, muscles_.nearest(network_.points[p]).second) : options_.gap;
       for (std::size_t q = 0; q < roles_.size(); ++q) {
         const double d = (network_.points[q] - network_.points[p]).norm();
-        if (piece[q] != piece[p] && d < distance) {
+        if (piece[q] == piece[p] || (may_be_root && roles_[q].kind != PointRole::inner)) continue;
+        if (d < distance) {
           distance = d;
           best = static_cast<int>(q);
         }

@@ -244,7 +244,8 @@ TEST(CoaptedShape, the_belt_lies_below_the_annulus_plane_and_both_leaflets_meet_
       EXPECT_GE(m.depth, CoaptedShape::depth_least - 1e-9);
       EXPECT_LE(m.depth, 5 + 1e-9);
     }
-    EXPECT_GT(both, static_cast<int>(0.85 * static_cast<double>(closed.meridians().size())));
+    // Meridians at the notches are too short, whatever the depth.
+    EXPECT_GT(both, static_cast<int>(0.7 * static_cast<double>(closed.meridians().size())));
     for (double s = 0.1; s < 0.95; s += 0.1) {
       const double ua = closed.u_at(true, s), up = closed.u_at(false, s);
       const Vec3 a = closed.at({ua, chart.height(ua)}), p = closed.at({up, chart.height(up)});
@@ -258,7 +259,7 @@ TEST(CoaptedShape, the_belt_lies_below_the_annulus_plane_and_both_leaflets_meet_
 
 TEST(CoaptedShape, is_the_generic_closed_shape_where_that_holds) {
   const LeafletChart chart(valve());
-  const CoaptedShape closed(chart, test::ring_annulus(), 5);
+  const CoaptedShape closed(chart, test::ring_annulus(), 2);
   // On the cone lengths along v are exact: the free edge of the middle hangs what is left of its length below the belt's top.
   const double length = closed.along({18, chart.height(18)});
   EXPECT_NEAR(length, chart.height(18), 0.02);
@@ -266,7 +267,7 @@ TEST(CoaptedShape, is_the_generic_closed_shape_where_that_holds) {
   double depth = 0;
   for (const auto& m : closed.meridians())
     if (std::abs(m.fraction - 0.5) < 1e-9) depth = m.depth;
-  EXPECT_NEAR(depth, 5, 1e-9);
+  EXPECT_NEAR(depth, 2, 1e-9);
   const double share = 22.2 / (22.2 + test::ring_height({}, 71.6)), across = 2 * start.y();
   const double roof = std::hypot(share * across, depth);
   EXPECT_NEAR(-closed.at({18, chart.height(18)}).z(), depth + length - roof, 0.1);

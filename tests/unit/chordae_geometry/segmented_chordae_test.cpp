@@ -159,7 +159,7 @@ TEST(SegmentedChordae, kinds_follow_the_place_of_the_end) {
   net.line(root, net.point(on_leaflet(20, 0.98)), 0.3);
   net.line(root, net.point(on_leaflet(20, 0.5)), 0.3);
   net.line(root, net.point(on_leaflet(21, 0.15)), 0.3);
-  net.line(root, net.point(on_leaflet(60, 0.5)), 0.9);
+  net.line(root, net.point(on_leaflet(71.6, 0.5)), 0.9);
   SegmentedOptions options;
   options.radius = 2.0;
   const Chordae c = attach(net.raw, options);

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iostream>
+
 #include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
 #include "support/synthetic_results.h"
