@@ -49,6 +49,17 @@ TEST(SourceFile, comes_back_to_the_last_bit) {
   EXPECT_EQ(a.scale, b.scale);
 }
 
+TEST(SourceFile, thickness_comes_back_and_is_absent_where_there_is_none) {
+  const TemporaryDirectory dir;
+  auto a = sample_source();
+  mv::write_source(dir / "uniform.vtp", a);
+  EXPECT_TRUE(mv::read_source(dir / "uniform.vtp").surface.thickness.empty());
+  EXPECT_EQ(mv::read_file(dir / "uniform.vtp").find("thickness"), std::string::npos);
+  a.surface.thickness = {0.5, 1.0 / 3, 1.25, 2};
+  mv::write_source(dir / "field.vtp", a);
+  EXPECT_EQ(mv::read_source(dir / "field.vtp").surface.thickness, a.surface.thickness);
+}
+
 TEST(SourceFile, damage_is_refused) {
   const TemporaryDirectory dir;
   mv::write_source(dir / "mid_surface.vtp", sample_source());

@@ -286,7 +286,7 @@ TEST(LeafletSurface, what_is_no_valve_is_refused_by_name) {
   EXPECT_NE(message_of(cylinder(15, 12)).find("nothing tells"), std::string::npos) << message_of(cylinder(15, 12));
 }
 
-TEST(LeafletSurface, thickness_is_carried_kept_in_bounds_and_thinned_where_sheets_meet) {
+TEST(LeafletSurface, thickness_is_carried_and_kept_in_bounds) {
   mv::RawLeaflets raw = generic_raw();
   for (const Vec3& p : raw.points) raw.thickness.push_back(p.y() > 0 ? 1.4 : 0.8);
   const mv::LeafletSurface r = mv::build_leaflet_surface(raw, coarse());
@@ -301,24 +301,6 @@ TEST(LeafletSurface, thickness_is_carried_kept_in_bounds_and_thinned_where_sheet
   }
   std::printf("thickness: %d points as given\n", compared);
   EXPECT_GT(compared, static_cast<int>(0.5 * static_cast<double>(r.surface.points.size())));
-
-  // A cylinder of 1.2 mm radius cannot carry walls of 4 mm.
-  mv::RawLeaflets thick = cylinder(6, 8);
-  thick.anterior_hint = Vec3(0, 40, 0);
-  thick.ventricle_direction = Vec3(0, 0, -1);
-  mv::LeafletSurfaceOptions options = coarse();
-  options.thickness = 9.5;
-  options.thickness_max = 10;
-  options.spacing = 1.5;
-  const mv::LeafletSurface limited = mv::build_leaflet_surface(thick, options);
-  ASSERT_FALSE(limited.surface.thickness.empty());
-  double largest = 0;
-  for (double t : limited.surface.thickness) largest = std::max(largest, t);
-  std::printf("limited: %.2f mm of 9.5 at a radius of 6\n", largest);
-  EXPECT_LE(largest, 2 * 0.7 * 6 * 1.02);
-  EXPECT_TRUE(says(limited.report.notes, "bends"));
-  for (const mv::Gate& g : {mv::gate_volumes(mv::thicken(limited.surface, {1.0, 2, 1})), mv::gate_self_intersection(mv::thicken(limited.surface, {1.0, 2, 1}))})
-    EXPECT_TRUE(g.passed) << g.message;
 }
 
 TEST(LeafletSurface, the_same_input_gives_the_same_surface) {

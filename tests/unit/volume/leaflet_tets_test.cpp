@@ -41,6 +41,30 @@ mv::MidSurface sheet(int n, double h) {
   return s;
 }
 
+TEST(Thicken, thickness_per_point_gives_its_own_volume_in_two_layers) {
+  mv::MidSurface s = sheet(6, 0.5);
+  for (const Vec3& p : s.points) s.thickness.push_back(0.4 + 0.3 * p.x());  // 0.4 to 1.3 mm
+  const mv::LeafletMesh m = mv::thicken(s, {7.0, 2, 1});                    // the uniform value is not used
+  const mv::Gate boundary = mv::gate_boundary(m), volume = mv::gate_volumes(m), count = mv::gate_layers(m, 2);
+  EXPECT_TRUE(boundary.passed && volume.passed && count.passed) << boundary.message << volume.message << count.message;
+  double total = 0;
+  for (const auto& t : m.tets) {
+    const Vec3 &a = m.points[at(t[0])], &b = m.points[at(t[1])], &c = m.points[at(t[2])], &d = m.points[at(t[3])];
+    total += (b - a).dot((c - a).cross(d - a)) / 6;
+  }
+  EXPECT_NEAR(total, 9 * 0.85, 1e-12);  // area times mean thickness: exact, the faces are planes
+  for (std::size_t i = 0; i < s.points.size(); ++i) {
+    EXPECT_NEAR(m.points[i].z(), 0.5 * s.thickness[i], 1e-15);
+    EXPECT_NEAR(m.points[i + 2 * s.points.size()].z(), -0.5 * s.thickness[i], 1e-15);
+  }
+  s.thickness.assign(s.points.size(), 0.8);
+  EXPECT_EQ(mv::thicken(s, {7.0, 2, 2}).points, mv::thicken(sheet(6, 0.5), {0.8, 2, 2}).points) << "uniform is uniform, to the bit";
+  s.thickness[3] = 0;
+  EXPECT_THROW(mv::thicken(s, {1.0, 2, 1}), mv::InputError);
+  s.thickness.pop_back();
+  EXPECT_THROW(mv::thicken(s, {1.0, 2, 1}), mv::InputError);
+}
+
 TEST(Thicken, flat_sheet_fills_its_box_with_conforming_layers) {
   for (int layers : {1, 2, 3, 5})
     for (int order : {1, 2}) {
