@@ -172,7 +172,8 @@ void skip_to_data(const NiftiHeader& h, std::size_t read_already, std::vector<un
   }
 }
 
-void read_values(const NiftiHeader& h, std::vector<unsigned char> rest, Stream& in, LabelImage& image) {
+/// Takes what it needs of `rest`, the bytes read together with the header.
+void read_values(const NiftiHeader& h, std::vector<unsigned char>& rest, Stream& in, LabelImage& image) {
   const std::size_t width = static_cast<std::size_t>(nifti_type_bytes(h.datatype));
   const std::size_t voxels = static_cast<std::size_t>(image.size[0]) * static_cast<std::size_t>(image.size[1]) * static_cast<std::size_t>(image.size[2]);
   const Converter converter = converter_of(h.datatype);
@@ -218,8 +219,8 @@ NiftiLabels read_nifti_labels(const std::filesystem::path& file, const NiftiOpti
   labels.image.axes = transform.leftCols<3>();
   labels.image.origin = transform.col(3);
   skip_to_data(header, read_already, start, in);
-  read_values(header, std::move(start), in, labels.image);
-  if (const std::size_t extra = read_to_end(in, 1 << 26); extra > 0)
+  read_values(header, start, in, labels.image);
+  if (const std::size_t extra = start.size() + read_to_end(in, 1 << 26); extra > 0)
     labels.notes.push_back(fmt::format("{} bytes follow the data and are ignored; check the header's dimensions", extra));
   return labels;
 }
