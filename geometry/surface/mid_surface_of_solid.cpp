@@ -26,7 +26,7 @@ std::size_t at(long i) { return static_cast<std::size_t>(i); }
 constexpr double largest_frustration = 0.25;  // share of the pairs on one face beyond which there are no two faces
 constexpr double narrowest_sheet = 1.5;       // mean width over the thickness; a rod has 1, a ball 1/2
 constexpr double smallest_part = 2;           // area over the thickness squared
-constexpr double rim_reach = 0.5;             // distance from a rim over the thickness within which lines are not trusted
+constexpr double rim_reach = 0.75;            // distance from a rim over the thickness within which lines are not trusted
 constexpr double largest_continuation = 0.7;  // over the thickness; a fit that asks for more is not trusted
 constexpr double shortest_hole = 2;           // rim over the thickness: a hole narrower than the sheet is thick by two thirds
 
@@ -138,7 +138,7 @@ Vec3 continued(const std::vector<Vec3>& points, const std::vector<char>& known, 
   Eigen::Matrix<double, 6, 1> rhs = Eigen::Matrix<double, 6, 1>::Zero();
   for (int j : trusted) {
     const auto t = terms(points[at(j)]);
-    const double weight = std::exp(-(points[at(j)] - x).squaredNorm() / (thickness * thickness));
+    const double weight = std::exp(-(points[at(j)] - x).squaredNorm() / (2.25 * thickness * thickness));
     normal += weight * t * t.transpose();
     rhs += weight * t * (points[at(j)] - middle).dot(n);
   }
