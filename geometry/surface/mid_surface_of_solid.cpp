@@ -107,7 +107,7 @@ double area_of(const std::vector<Vec3>& points, const Triangle& t) {
 Vec3 onto_rim(const SurfaceQuery& query, const std::vector<Segment>& rims, double voxel, const Vec3& x) {
   double width = 0;
   const Vec3 edge = nearest_on(rims, x, &width);
-  if (width < 2 * voxel && (edge - x).norm() < 4 * voxel) return edge;
+  if (width < 2 * voxel && (edge - x).norm() < 1.5 * voxel) return edge;
   return query.nearest(x).point;
 }
 
