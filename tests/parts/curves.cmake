@@ -1,0 +1,7 @@
+if(TARGET mv_loft)
+  find_package(VTK REQUIRED COMPONENTS CommonCore CommonDataModel)
+  mv_add_test(unit_loft SOURCES unit/loft/fit_test.cpp unit/loft/curve_surface_test.cpp unit/loft/curve_files_test.cpp LIBRARIES mv_loft VTK::CommonCore VTK::CommonDataModel)
+endif()
+if(TARGET mv_slices)
+  mv_add_test(unit_slices SOURCES unit/slices/slice_curves_test.cpp LIBRARIES mv_slices)
+endif()
