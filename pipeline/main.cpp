@@ -5,6 +5,7 @@
 #include "geometry/core/log.h"
 #include "geometry/core/version.h"
 #include "pipeline/commands.h"
+#include "pipeline/compare_cases.h"
 #include "pipeline/exit_status.h"
 #include "pipeline/interrupt.h"
 #include "pipeline/source_stage.h"
@@ -85,6 +86,13 @@ void run(int argc, char** argv) {
   copy->add_option("--space", space, "RAS (as in the case) or LPS (as Slicer and ITK write)")
       ->check(CLI::IsMember({"RAS", "LPS"}));
   copy->callback([&] { start_log(), mv::export_command(options.case_directory, exported, space); });
+
+  std::vector<std::filesystem::path> compared;
+  std::filesystem::path comparison_csv;
+  CLI::App* compare = app.add_subcommand("compare", "How far the mid-surfaces, annulus planes and areas of cases differ");
+  compare->add_option("CASE", compared, "Case directories, two or more")->required();
+  compare->add_option("--csv", comparison_csv, "Write the table of pairs to this file")->type_name("FILE");
+  compare->callback([&] { start_log(), mv::compare_command(compared, comparison_csv); });
 
   bool only_defaults = false;
   CLI::App* keys = app.add_subcommand("config", "Print every key with unit, default and documentation, as a configuration");
