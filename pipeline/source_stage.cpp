@@ -4,6 +4,7 @@
 #include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
+#include "pipeline/curves_source.h"
 #include "pipeline/generic_source.h"
 
 namespace mv {
@@ -11,6 +12,7 @@ namespace mv {
 const std::vector<SourceKind>& source_kinds() {
   static const std::vector<SourceKind> kinds = {
       {"generic", "four-semicircle valve on an elliptic or a measured annulus", make_generic_source},
+      {"curves", "segmented slices (NIfTI, PNG) or drawn curves (CSV, VTP, Slicer markups)", make_curves_source},
   };
   return kinds;
 }
