@@ -3,6 +3,7 @@
 
 // Segmented slices in space, from an image stack or from a folder of PNG files.
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <filesystem>
