@@ -76,7 +76,8 @@ TEST(IntrinsicSurface, flips_an_obtuse_mesh_until_no_weight_is_negative) {
 
 TEST(Nematic, keeps_between_the_given_angles_on_an_obtuse_mesh) {
   const LeafletMesh mesh = obtuse_cylinder(2.0, 0.3);
-  const double top = 60 * degree;
+  // Given directions count as unit ones; the exact field between them is shorter, |z| >= cos(top) on the slanted sides, so the angle between is kept small.
+  const double top = 10 * degree;
   std::vector<GivenDirection> given;
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
     if (mesh.on_annulus[i]) given.push_back({static_cast<int>(i), on_cylinder(mesh.points[i], 0), 1});
@@ -96,8 +97,8 @@ TEST(Nematic, keeps_between_the_given_angles_on_an_obtuse_mesh) {
     const std::complex<double> z = (1 - share) + share * std::polar(1.0, 2 * top);
     const double angle = std::atan2(-field.directions[e].z(), field.directions[e].dot(on_cylinder(x, 0)));
     const double folded = std::remainder(angle, std::numbers::pi);
-    EXPECT_GT(folded, -1 * degree);
-    EXPECT_LT(folded, top + 1 * degree);
+    EXPECT_GT(folded, -0.2 * degree);
+    EXPECT_LT(folded, top + 0.2 * degree);
     const double deviation = degrees_between(field.directions[e], on_cylinder(x, 0.5 * std::arg(z)));
     largest_order = std::max(largest_order, field.order[e]);
     worst = std::max(worst, deviation);
@@ -106,8 +107,8 @@ TEST(Nematic, keeps_between_the_given_angles_on_an_obtuse_mesh) {
   }
   std::cout << "deviation from the exact field: mean " << inner / static_cast<double>(count) << " deg, worst " << worst << " deg\n";
   EXPECT_LE(largest_order, 1 + 1e-9);
-  EXPECT_LT(inner / static_cast<double>(count), 0.7);
-  EXPECT_LT(worst, 8.0);  // elements of the longest slivers
+  EXPECT_LT(inner / static_cast<double>(count), 0.1);
+  EXPECT_LT(worst, 0.5);
 }
 
 TEST(Guides, a_drawn_arc_is_followed_within_a_degree) {
