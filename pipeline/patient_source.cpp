@@ -56,6 +56,8 @@ nlohmann::ordered_json to_json(const LeafletSurfaceReport& r) {
 
 LeafletSurfaceOptions leaflet_surface_options(const Config& config) {
   LeafletSurfaceOptions options;
+  options.layers = static_cast<int>(config.integer("mesh.layers"));
+  options.dihedral_min = config.number_in("gates.min_dihedral", "deg");
   options.spacing = config.number_in("mesh.spacing", "mm");
   options.thickness = config.number_in("mesh.thickness", "mm");
   options.thickness_min = config.number_in("patient.thickness_min", "mm");

@@ -18,7 +18,7 @@ const std::vector<Stage>& stage_table() {
   // clang-format off
   static const std::vector<Stage> table = {
       {"source", "mid-surface of the leaflets and papillary tips, from what source.kind names",
-       {"source", "generic", "labels", "curves", "surface", "deck", "patient", "mesh.spacing", "mesh.thickness"}, {}, {"mid_surface.vtp", "papillary.vtp", "source.json"}, run_source_stage},
+       {"source", "generic", "labels", "curves", "surface", "deck", "patient", "mesh.spacing", "mesh.thickness", "mesh.layers", "gates.min_dihedral"}, {}, {"mid_surface.vtp", "papillary.vtp", "source.json"}, run_source_stage},
       {"annulus", "annulus plane and its direction",
        {}, {"source"}, {"annulus.vtp"}, run_annulus_stage},
       {"mesh", "layers of tetrahedra",

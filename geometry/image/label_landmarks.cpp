@@ -170,6 +170,7 @@ void find_annulus(const LabelledParts& parts, const LandmarkOptions& options, co
   if (degrees > largest_gap) return leave_it(fmt::format("leaflet, atrium and ventricle do not meet over {:.0f} degrees of the annulus", degrees));
   if (gap > 1) marks.notes.push_back(fmt::format("annulus: leaflet, atrium and ventricle do not meet over {:.0f} degrees; bridged", degrees));
   marks.annulus_curve = mean;
+  for (const double w : weight) marks.annulus_seen.push_back(w > 0);
 }
 
 /// Posterior voxels with an anterior neighbour (26).

@@ -20,6 +20,7 @@ struct LandmarkOptions {
 
 struct LabelLandmarks {
   std::vector<Vec3> annulus_curve;           // closed, ordered; empty without atrium and ventricle labels, or where they hardly touch the leaflets
+  std::vector<char> annulus_seen;            // per point of it: 0 where leaflet, atrium and ventricle do not meet and it is bridged
   std::vector<Vec3> commissures;             // two, or none
   std::vector<Vec3> papillary_points;        // tips of the heads, i.e. the ends towards the valve
   std::vector<std::string> papillary_names;  // per tip: "anterolateral", "posteromedial" or ""

@@ -14,6 +14,8 @@
 namespace mv {
 
 struct LeafletSurfaceOptions {
+  int layers = 2;                 // of tetrahedra, and the smallest dihedral angle they must have (degrees): the thickness gives way where it can
+  double dihedral_min = 10;
   double spacing = 0.5;           // mm, largest edge on the faces of the thick leaflets
   double thickness = 1;           // mm, where raw.thickness is empty
   double thickness_min = 0.3;     // mm, measured thickness is kept within these

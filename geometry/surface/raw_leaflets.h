@@ -20,6 +20,7 @@ struct RawLeaflets {
   std::vector<double> thickness;              // per point, mm; empty: uniform (mesh.thickness)
 
   std::vector<Vec3> annulus_curve;            // closed, ordered; empty: found from the surface's border
+  std::vector<char> annulus_seen;             // per point of annulus_curve: 0 where the source bridged what it did not see; empty: all seen
   std::vector<Vec3> commissures;              // two points near the border, or empty: found from the regions or the outline
   std::vector<Vec3> papillary_points;         // insertion points or muscle tips; empty: none
   std::vector<std::string> papillary_names;   // per point: "anterolateral", "posteromedial" or "" = not known; empty: none known

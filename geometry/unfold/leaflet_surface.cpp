@@ -40,6 +40,8 @@ void check(const RawLeaflets& raw, const LeafletSurfaceOptions& o) {
   if (!(o.smoothing >= 0)) throw ConfigError("patient.smoothing must not be negative");
   if (!raw.commissures.empty() && raw.commissures.size() != 2)
     throw InputError(fmt::format("leaflets: {} commissures; expected two or none", raw.commissures.size()));
+  if (!raw.annulus_seen.empty() && (raw.annulus_seen.size() != raw.annulus_curve.size() || std::count(raw.annulus_seen.begin(), raw.annulus_seen.end(), 0) == std::ssize(raw.annulus_seen)))
+    throw InputError(fmt::format("leaflets: {} marks of what was seen for {} points of the annulus; expected one each, and one seen", raw.annulus_seen.size(), raw.annulus_curve.size()));
   if (!raw.papillary_names.empty() && raw.papillary_names.size() != raw.papillary_points.size())
     throw InputError(fmt::format("leaflets: {} papillary names for {} points", raw.papillary_names.size(), raw.papillary_points.size()));
   for (const auto* list : {&raw.annulus_curve, &raw.commissures, &raw.papillary_points})
@@ -73,6 +75,28 @@ void check_attachment(const Ring& ring, const ClosedCurve& curve, std::vector<st
     notes.push_back(fmt::format("the leaflets' border lies up to {:.1f} mm off the annulus curve and was drawn to it", farthest));
 }
 
+/// The given curve; where it was bridged the leaflets' border is the better witness: it runs along it there, by the distance that curve and border have
+/// at the ends of the stretch.
+std::vector<Vec3> curve_with_border(const Ring& ring, const RawLeaflets& raw) {
+  std::vector<Vec3> points = raw.annulus_curve, border_points;
+  const std::vector<char>& seen = raw.annulus_seen;
+  if (std::count(seen.begin(), seen.end(), 0) == 0) return points;
+  for (int v : ring.annulus) border_points.push_back(ring.mesh.points[at(v)]);
+  const ClosedCurve border(border_points);
+  const auto foot = [&](std::size_t i) { return border.at(border.closest(raw.annulus_curve[i])); };
+  const std::size_t n = points.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    if (seen[i]) continue;
+    std::size_t back = 1, forth = 1;
+    while (!seen[(i + n - back) % n]) ++back;
+    while (!seen[(i + forth) % n]) ++forth;
+    const std::size_t a = (i + n - back) % n, b = (i + forth) % n;
+    const double s = static_cast<double>(back) / static_cast<double>(back + forth);
+    points[i] = foot(i) + (1 - s) * (raw.annulus_curve[a] - foot(a)) + s * (raw.annulus_curve[b] - foot(b));
+  }
+  return points;
+}
+
 struct AnnulusFound {
   Annulus annulus;
   std::string normal_rule;
@@ -80,7 +104,7 @@ struct AnnulusFound {
 };
 
 AnnulusFound find_annulus(const Ring& ring, const RawLeaflets& raw, const LeafletSurfaceOptions& options, std::vector<std::string>& notes) {
-  std::vector<Vec3> points = raw.annulus_curve;
+  std::vector<Vec3> points = curve_with_border(ring, raw);
   if (points.empty())
     for (int v : ring.annulus) points.push_back(ring.mesh.points[at(v)]);
   CurveReport report;
@@ -497,7 +521,7 @@ LeafletSurface build_leaflet_surface(const RawLeaflets& raw, const LeafletSurfac
 
   for (const Vec2& uv : result.surface.unfolded)
     result.surface.thickness.push_back(raw.thickness.empty() ? options.thickness : thickness.measured(smooth, uv));
-  const std::vector<std::string> limited = limit_thickness(result.surface, std::min(options.thickness_min, options.thickness));
+  const std::vector<std::string> limited = limit_thickness(result.surface, std::min(options.thickness_min, options.thickness), options.layers, options.dihedral_min);
   report.notes.insert(report.notes.end(), limited.begin(), limited.end());
   if (raw.thickness.empty() && limited.empty()) result.surface.thickness.clear();
 

@@ -19,6 +19,9 @@ namespace {
 constexpr double slope_limit = 0.5;      // change of thickness per mm
 constexpr double thinning = 0.8;         // per round, where sheets meet
 constexpr int most_rounds = 40;
+constexpr double slender_thinning = 0.9;  // per round, where tetrahedra are slender
+constexpr int rounds_without_gain = 6;
+constexpr double angle_reserve = 0.2;  // degrees above the gate's limit
 
 std::size_t at(long i) { return static_cast<std::size_t>(i); }
 
@@ -72,6 +75,57 @@ std::vector<int> meeting_points(const MidSurface& s) {
   return points;
 }
 
+/// Mid-surface points of the tetrahedra with an angle below `limit`, and the smallest angle of all.
+struct Slender {
+  std::vector<int> points;
+  long count = 0;
+  double smallest = 180;
+};
+
+Slender slender_points(const MidSurface& s, int layers, double limit) {
+  const LeafletMesh mesh = thicken(s, {1.0, layers, 1});
+  const int n = static_cast<int>(s.points.size());
+  Slender found;
+  for (const auto& t : mesh.tets) {
+    const auto angles = dihedral_angles(mesh.points[at(t[0])], mesh.points[at(t[1])], mesh.points[at(t[2])], mesh.points[at(t[3])]);
+    const double angle = *std::min_element(angles.begin(), angles.end());
+    found.smallest = std::min(found.smallest, angle);
+    if (angle >= limit) continue;
+    ++found.count;
+    for (std::size_t k = 0; k < 4; ++k) found.points.push_back(t[k] % n);
+  }
+  std::sort(found.points.begin(), found.points.end());
+  found.points.erase(std::unique(found.points.begin(), found.points.end()), found.points.end());
+  return found;
+}
+
+/// Lowers the thickness at slender tetrahedra while that helps; keeps the best.
+void thin_slender(MidSurface& s, double least, int layers, double limit, const std::vector<std::vector<std::pair<int, double>>>& near) {
+  std::vector<double> best;
+  long fewest = 0;
+  int without_gain = 0;
+  for (int round = 0; round < most_rounds; ++round) {
+    const Slender slender = slender_points(s, layers, limit);
+    if (round == 0 || slender.count < fewest) {
+      best = s.thickness;
+      fewest = slender.count;
+      without_gain = 0;
+    } else if (++without_gain == rounds_without_gain) {
+      break;
+    }
+    if (slender.count == 0) break;
+    bool is_thinned = false;
+    for (int i : slender.points)
+      if (s.thickness[at(i)] > least) {
+        s.thickness[at(i)] = std::max(least, slender_thinning * s.thickness[at(i)]);
+        is_thinned = true;
+      }
+    if (!is_thinned) break;
+    level(s.thickness, near);
+  }
+  s.thickness = best;
+}
+
 std::string changed(const MidSurface& s, const std::vector<double>& before, const char* why) {
   double area = 0, whole = 0, smallest = 1e300;
   for (const auto& t : s.triangles) {
@@ -90,7 +144,7 @@ std::string changed(const MidSurface& s, const std::vector<double>& before, cons
 
 }  // namespace
 
-std::vector<std::string> limit_thickness(MidSurface& s, double least) {
+std::vector<std::string> limit_thickness(MidSurface& s, double least, int layers, double dihedral_min) {
   std::vector<std::string> notes;
   const auto near = neighbours(s);
   std::vector<double> before = s.thickness;
@@ -99,6 +153,9 @@ std::vector<std::string> limit_thickness(MidSurface& s, double least) {
     if (kappa[i] > 0) s.thickness[i] = std::min(s.thickness[i], std::max(2 * fold_share / kappa[i], std::min(least, s.thickness[i])));
   level(s.thickness, near);
   if (const std::string note = changed(s, before, "where the surface bends more tightly"); !note.empty()) notes.push_back(note);
+  before = s.thickness;
+  thin_slender(s, least, layers, dihedral_min + angle_reserve, near);
+  if (const std::string note = changed(s, before, "where the tetrahedra would be slender"); !note.empty()) notes.push_back(note);
   before = s.thickness;
   for (int round = 0;; ++round) {
     const std::vector<int> meeting = meeting_points(s);

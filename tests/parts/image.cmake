@@ -4,3 +4,8 @@ if(TARGET mv_image)
   mv_add_test(unit_image_labels SOURCES unit/image/label_surface_test.cpp unit/image/label_landmarks_test.cpp unit/image/broken_labels_test.cpp
     LIBRARIES mv_image ZLIB::ZLIB)
 endif()
+if(TARGET mv_pipeline AND TARGET mv_image)
+  find_package(nlohmann_json REQUIRED)
+  mv_add_test(system_labels SOURCES system/labels_test.cpp LIBRARIES mv_core nlohmann_json::nlohmann_json ZLIB::ZLIB LABEL system)
+  add_dependencies(system_labels mvprep)
+endif()

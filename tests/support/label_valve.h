@@ -31,12 +31,12 @@ struct LabelValve {
     const Vec3 p = turn.transpose() * (x - centre);
     const double angle = std::atan2(p.y() / b, p.x() / a);
     const double drop = -p.z();
-    // distance from the ellipse of this height, to first order
+    // distance from the ellipse of this height, to first order; it vanishes on the axis too
     const double shrink = slope * std::max(drop, 0.0);
     const double ax = a - shrink, by = b - shrink;
     const double f = std::hypot(p.x() / ax, p.y() / by), g = std::hypot(p.x() / (ax * ax), p.y() / (by * by));
     const double outward = (f - 1) * f / std::max(g, 1e-9) / std::sqrt(1 + (drop > 0 ? slope * slope : 0));
-    if (drop >= 0 && drop <= height_at(angle) && std::abs(outward) <= thickness / 2) return p.y() > 0 ? anterior : posterior;
+    if (f > 0.1 && drop >= 0 && drop <= height_at(angle) && std::abs(outward) <= thickness / 2) return p.y() > 0 ? anterior : posterior;
     if (has_walls) {
       const double from_annulus = (std::hypot(p.x() / a, p.y() / b) - 1) * std::min(a, b);
       if (from_annulus > 0.3 && from_annulus < 5 && drop >= 0.6 && drop < 20) return 6;

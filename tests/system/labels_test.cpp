@@ -120,7 +120,7 @@ TEST(MvprepLabels, swapped_leaflets_are_put_right_with_a_warning) {
 TEST(MvprepLabels, the_visible_human_map_becomes_a_case_whose_gates_pass) {
   const TemporaryDirectory dir;
   const std::string config = std::string(MV_SOURCE_DIR) + "/configs/patients/visible_human_labels.toml";
-  const Outcome outcome = mvprep("run -c '" + config + "' -o '" + (dir / "case").string() + "' --set 'mesh.spacing=1.2 mm' --set 'tube.spacing=3 mm'", dir);
+  const Outcome outcome = mvprep("run -c '" + config + "' -o '" + (dir / "case").string() + "' --set 'mesh.spacing=1.2 mm' --set mesh.layers=2 --set 'tube.spacing=3 mm'", dir);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto quality = nlohmann::json::parse(mv::read_file(dir / "case/quality.json"));
   EXPECT_TRUE(quality.at("passed").get<bool>());
