@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <optional>
 #include <set>
 
 #include "geometry/core/errors.h"
@@ -28,6 +30,8 @@ constexpr double narrowest_sheet = 1.5;       // mean width over the thickness; 
 constexpr double smallest_part = 2;           // area over the thickness squared
 constexpr double rim_reach = 0.75;            // distance from a rim over the thickness within which lines are not trusted
 constexpr double largest_continuation = 0.7;  // over the thickness; a fit that asks for more is not trusted
+constexpr double corner_colour = 0.6;         // |s| of a rim's point beyond which it lies at the corner to a face
+constexpr double largest_area_miss = 0.25;    // of half the faces' area
 constexpr double shortest_hole = 2;           // rim over the thickness: a hole narrower than the sheet is thick by two thirds
 
 /// Piece of the curve on the solid's surface where the colour changes sign, and the width of the rim there.
@@ -102,17 +106,50 @@ double area_of(const std::vector<Vec3>& points, const Triangle& t) {
   return 0.5 * (points[at(t[1])] - points[at(t[0])]).cross(points[at(t[2])] - points[at(t[0])]).norm();
 }
 
-/// Point of the solid's surface at the border: the edge itself where the sheet ends so sharply that the grid does not see it, else the
-/// nearest point.
-Vec3 onto_rim(const SurfaceQuery& query, const std::vector<Segment>& rims, double voxel, const Vec3& x) {
-  double width = 0;
-  const Vec3 edge = nearest_on(rims, x, &width);
-  if (width < 2 * voxel && (edge - x).norm() < 1.5 * voxel) return edge;
-  return query.nearest(x).point;
-}
+/// The solid's rims: triangles that do not lie on one face, and the curve s = 0 on them.
+class Rims {
+ public:
+  explicit Rims(const SolidFaces& faces) : faces_(faces), triangles_(of(faces)), middle_(rim_middle(faces)) {
+    if (!triangles_.empty() && !middle_.empty()) query_.emplace(faces.points, triangles_);
+  }
+  const std::vector<Segment>& middle() const { return middle_; }
 
-/// Within the rims: height of the trusted points around over their common plane, fitted by a quadratic and continued to x along the normal.
-Vec3 continued(const std::vector<Vec3>& points, const std::vector<char>& known, const std::vector<std::vector<int>>& around, int i, double thickness) {
+  /// Point of the rim for a border point: the nearest one, or the middle of the rim where that lies at a corner or where the sheet ends
+  /// so sharply that the grid does not see it.
+  Vec3 onto(const Vec3& x, double voxel) const {
+    if (!query_) return x;
+    double width = 0;
+    const Vec3 edge = nearest_on(middle_, x, &width);
+    if (width < 2 * voxel) return edge;
+    const auto hit = query_->nearest(x);
+    const Triangle& t = triangles_[at(hit.triangle)];
+    double colour = 0;
+    for (int k = 0; k < 3; ++k) colour += hit.weights[k] * faces_.colour[at(t[at(k)])];
+    return std::abs(colour) < corner_colour ? hit.point : edge;
+  }
+
+ private:
+  static std::vector<Triangle> of(const SolidFaces& f) {
+    std::vector<Triangle> rim;
+    for (const Triangle& t : f.triangles) {
+      const auto [low, high] = std::minmax({f.colour[at(t[0])], f.colour[at(t[1])], f.colour[at(t[2])]});
+      if (low < 0.98 && high > -0.98) rim.push_back(t);
+    }
+    return rim;
+  }
+
+  const SolidFaces& faces_;
+  std::vector<Triangle> triangles_;
+  std::vector<Segment> middle_;
+  std::optional<SurfaceQuery> query_;
+};
+
+/// Within the rims: height of the trusted points around over their common plane, fitted by a quadratic and continued to x along the normal;
+/// their thickness, fitted by a plane and continued likewise to `across`.
+Vec3 continued(const SolidMidSurface& mid, const std::vector<char>& known, const std::vector<std::vector<int>>& around, int i, double& across) {
+  const std::vector<Vec3>& points = mid.points;
+  const double thickness = mid.thickness[at(i)];
+  across = thickness;
   const Vec3 x = points[at(i)];
   // Trusted points within two thicknesses, found over the mesh.
   std::vector<int> queue{i}, trusted;
@@ -136,18 +173,22 @@ Vec3 continued(const std::vector<Vec3>& points, const std::vector<char>& known, 
   };
   Eigen::Matrix<double, 6, 6> normal = 1e-6 * Eigen::Matrix<double, 6, 6>::Identity();
   Eigen::Matrix<double, 6, 1> rhs = Eigen::Matrix<double, 6, 1>::Zero();
+  Vec3 slope = Vec3::Zero();
   for (int j : trusted) {
     const auto t = terms(points[at(j)]);
     const double weight = std::exp(-(points[at(j)] - x).squaredNorm() / (2.25 * thickness * thickness));
     normal += weight * t * t.transpose();
     rhs += weight * t * (points[at(j)] - middle).dot(n);
+    slope += weight * t.head<3>() * mid.thickness[at(j)];
   }
+  const Mat3 plane = normal.topLeftCorner<3, 3>();
+  across = std::clamp(terms(x).head<3>().dot(plane.ldlt().solve(slope)), 0.75 * thickness, 1.25 * thickness);
   const double move = terms(x).dot(normal.ldlt().solve(rhs)) - (x - middle).dot(n);
   return std::abs(move) < largest_continuation * thickness ? Vec3(x + move * n) : x;
 }
 
 /// Moves the border onto the rims and the other points to the middle of their field lines; fills thickness.
-void centre(const SolidFaces& faces, const SolidDepth& depth, SolidMidSurface& mid) {
+void centre(const SolidFaces& faces, const SolidDepth& depth, const Rims& rims, SolidMidSurface& mid) {
   const std::size_t n = mid.points.size();
   const auto around = neighbours_of(mid.triangles, n);
   std::vector<char> is_border(n, 0), known(n, 0);
@@ -166,7 +207,6 @@ void centre(const SolidFaces& faces, const SolidDepth& depth, SolidMidSurface& m
   });
   // A line that ends within a rim is short, and close to a rim the grid's steps bend it: it says nothing about the sheet.
   const SurfaceQuery query(faces.points, faces.triangles);
-  const auto rims = rim_middle(faces);
   parallel_for(static_cast<std::ptrdiff_t>(n), [&](std::ptrdiff_t i) {
     if (!known[at(i)]) return;
     const FieldLine line = depth.field_line(mid.points[at(i)]);
@@ -177,27 +217,26 @@ void centre(const SolidFaces& faces, const SolidDepth& depth, SolidMidSurface& m
       for (int k = 0; k < 3; ++k) colour += hit.weights[k] * faces.colour[at(t[at(k)])];
       if (std::abs(colour) < 0.98) known[at(i)] = 0;
     }
-    if ((nearest_on(rims, mid.points[at(i)]) - mid.points[at(i)]).norm() < rim_reach * mid.thickness[at(i)]) known[at(i)] = 0;
+    if ((nearest_on(rims.middle(), mid.points[at(i)]) - mid.points[at(i)]).norm() < rim_reach * mid.thickness[at(i)]) known[at(i)] = 0;
   });
   fill_values(around, known, faces.thickness_median, mid.thickness);
   parallel_for(static_cast<std::ptrdiff_t>(n), [&](std::ptrdiff_t i) {
     if (known[at(i)]) mid.points[at(i)] = depth.along_line(mid.points[at(i)], shift[at(i)]);
   });
   std::vector<Vec3> moved = mid.points;
+  std::vector<double> thickness = mid.thickness;
   parallel_for(static_cast<std::ptrdiff_t>(n), [&](std::ptrdiff_t i) {
     if (known[at(i)]) return;
-    moved[at(i)] = continued(mid.points, known, around, static_cast<int>(i), mid.thickness[at(i)]);
-    if (is_border[at(i)]) moved[at(i)] = onto_rim(query, rims, depth.voxel(), moved[at(i)]);
+    moved[at(i)] = continued(mid, known, around, static_cast<int>(i), thickness[at(i)]);
+    if (is_border[at(i)]) moved[at(i)] = rims.onto(moved[at(i)], depth.voxel());
   });
-  mid.points = std::move(moved);
+  mid.points = std::move(moved), mid.thickness = std::move(thickness);
 }
 
 /// Border points slide along the rim and inner ones within the surface towards the mean of their neighbours: the snap leaves them uneven.
-void even_out(const SolidFaces& faces, double voxel, SolidMidSurface& mid) {
+void even_out(const Rims& rims, double voxel, SolidMidSurface& mid) {
   const std::size_t n = mid.points.size();
   const auto around = neighbours_of(mid.triangles, n);
-  const auto rims = rim_middle(faces);
-  const SurfaceQuery query(faces.points, faces.triangles);
   std::vector<char> is_border(n, 0);
   const auto loops = border_loops(mid.points, mid.triangles);
   for (const auto& loop : loops)
@@ -209,7 +248,7 @@ void even_out(const SolidFaces& faces, double voxel, SolidMidSurface& mid) {
         Vec3& x = mid.points[at(loop[k])];
         // Only along the border: across it would cut corners.
         const Vec3 along = (after - before).normalized();
-        const Vec3 target = onto_rim(query, rims, voxel, x + 0.5 * (0.5 * (before + after) - x).dot(along) * along);
+        const Vec3 target = rims.onto(x + 0.5 * (0.5 * (before + after) - x).dot(along) * along, voxel);
         if ((target - x).norm() < 0.5 * (before - after).norm()) x = target;
       }
     std::vector<Vec3> normal(n, Vec3::Zero());
@@ -256,6 +295,58 @@ void check_sheet(const SolidMidSurface& mid) {
                                  "thick leaflets", width, mid.thickness_median));
 }
 
+/// Lengths of the closed curves s = 0 on the solid's surface.
+std::vector<double> rim_lengths(const SolidFaces& f) {
+  std::map<std::pair<int, int>, int> number;  // of each edge that the curves cross
+  std::vector<int> root;
+  std::vector<double> length;
+  const auto find = [&](int i) {
+    while (root[at(i)] != i) i = root[at(i)] = root[at(root[at(i)])];
+    return i;
+  };
+  std::vector<std::pair<int, double>> pieces;
+  for (const Triangle& t : f.triangles) {
+    std::vector<int> ends;
+    std::vector<Vec3> where;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int a = t[k], b = t[(k + 1) % 3];
+      const double sa = f.colour[at(a)], sb = f.colour[at(b)];
+      if ((sa > 0) == (sb > 0)) continue;
+      const auto [entry, added] = number.try_emplace(std::minmax(a, b), static_cast<int>(root.size()));
+      if (added) root.push_back(entry->second);
+      ends.push_back(entry->second);
+      where.push_back(f.points[at(a)] + sa / (sa - sb) * (f.points[at(b)] - f.points[at(a)]));
+    }
+    if (ends.size() != 2) continue;
+    root[at(find(ends[0]))] = find(ends[1]);
+    pieces.emplace_back(ends[0], (where[1] - where[0]).norm());
+  }
+  std::map<int, double> sum;
+  for (const auto& [edge, piece] : pieces) sum[find(edge)] += piece;
+  for (const auto& [curve, total] : sum) length.push_back(total);
+  return length;
+}
+
+/// A mid-surface has half the area of the two faces and a border along each rim. Where the colouring went astray it has not.
+void check_against_faces(const SolidFaces& f, const SolidMidSurface& mid) {
+  double expected = 0, area = 0;
+  for (const Triangle& t : f.triangles)
+    expected += 0.5 * area_of(f.points, t) * (std::abs(f.colour[at(t[0])]) + std::abs(f.colour[at(t[1])]) + std::abs(f.colour[at(t[2])])) / 3;
+  for (const Triangle& t : mid.triangles) area += area_of(mid.points, t);
+  if (std::abs(area - expected) > largest_area_miss * expected)
+    throw InputError(fmt::format("surface: its mid-surface would have {:.0f} mm2 where half of its two faces is {:.0f} mm2: the faces could not be told "
+                                 "apart; smooth the surface, remesh it evenly, or remove what is no leaflet", area, expected));
+  // Holes about as narrow as the sheet is thick may be open or filled.
+  const double narrow = shortest_hole * f.thickness_median;
+  std::size_t least = 0, most = 0;
+  for (double length : rim_lengths(f)) least += length > 2 * narrow, most += length > 0.5 * narrow;
+  const std::size_t loops = border_loops(mid.points, mid.triangles).size();
+  if (loops < least || loops > most)
+    throw InputError(fmt::format("surface: its mid-surface would have {} border loops where the solid has {} rims: the faces could not be told apart; "
+                                 "smooth the surface, remesh it evenly, or remove what is no leaflet", loops,
+                                 least == most ? fmt::format("{}", least) : fmt::format("{} to {}", least, most)));
+}
+
 }  // namespace
 
 SolidMidSurface mid_surface_of_solid(const SolidSurface& solid, const SolidMidOptions& options) {
@@ -283,15 +374,15 @@ SolidMidSurface mid_surface_of_solid(const SolidSurface& solid, const SolidMidOp
   tidy.spacing = options.spacing > 0 ? options.spacing : 0.5 * thickness;
   tidy.smallest_part = smallest_part * thickness * thickness;
   tidy.shortest_hole = shortest_hole * thickness;
-  const auto rims = rim_middle(faces);
-  tidy.rim_distance = [&rims](const Vec3& x) { return (nearest_on(rims, x) - x).norm(); };
+  const Rims rims(faces);
+  tidy.rim_distance = [&rims](const Vec3& x) { return (nearest_on(rims.middle(), x) - x).norm(); };
   tidy.rim_reach = 0.5 * thickness;
   LevelSurface level = depth.level(0.5);
   if (level.triangles.empty()) throw InputError("surface: the depth has no middle level; expected closed thick leaflets");
   level = tidy_sheet(level, tidy, mid.notes);
   mid.points = std::move(level.points), mid.triangles = std::move(level.triangles);
-  centre(faces, depth, mid);
-  even_out(faces, depth.voxel(), mid);
+  centre(faces, depth, rims, mid);
+  even_out(rims, depth.voxel(), mid);
 
   std::vector<std::pair<double, double>> seen;
   double whole = 0, sum = 0;
@@ -301,6 +392,7 @@ SolidMidSurface mid_surface_of_solid(const SolidSurface& solid, const SolidMidOp
   for (const auto& [value, area] : seen)
     if ((sum += area) >= 0.5 * whole) { mid.thickness_median = value; break; }
   check_sheet(mid);
+  check_against_faces(faces, mid);
   if (!solid.label.empty()) mid.label = carry_labels(solid, faces, depth, mid);
   mid.face_colour.assign(faces.colour.begin(), faces.colour.begin() + static_cast<long>(solid.points.size()));
   connected_parts(mid.triangles, mid.points.size(), &mid.parts);

@@ -181,11 +181,13 @@ Eigen::VectorXd two_colouring(std::size_t n, const std::vector<SignedEdge>& edge
   Eigen::VectorXd x(static_cast<long>(n));
   for (long i = 0; i < x.size(); ++i) x[i] = std::sin(1.0 + 12.9898 * static_cast<double>(i)) * std::cos(78.233 * static_cast<double>(i));
   for (int iteration = 0; iteration < 100; ++iteration) {
+    const Eigen::VectorXd before = x;
     x = solver.solve(x).eval();
     std::vector<double> largest(n, 0.0);
     for (long i = 0; i < x.size(); ++i) largest[at(part[at(i)])] = std::max(largest[at(part[at(i)])], std::abs(x[i]));
     for (long i = 0; i < x.size(); ++i)
       if (largest[at(part[at(i)])] > 0) x[i] /= largest[at(part[at(i)])];
+    if ((x - before).lpNorm<Eigen::Infinity>() < 1e-6) break;
   }
   return x;
 }

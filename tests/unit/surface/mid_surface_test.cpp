@@ -5,11 +5,15 @@
 #include <random>
 
 #include "geometry/core/errors.h"
+#include "geometry/core/parallel.h"
 #include "geometry/surface/mid_surface_of_solid.h"
 #include "geometry/surface/sheet_remesh.h"
 #include "tests/unit/surface/solid_shapes.h"
 
 namespace {
+
+// One thread: waiting for each other on a busy machine costs more than the work.
+const bool one_thread = [] { mv::set_thread_count(1); return true; }();
 
 using namespace solid_shapes;
 using mv::SolidMidSurface;
@@ -148,6 +152,31 @@ TEST(MidSurfaceOfSolid, rough_faces_change_little) {
   EXPECT_LT(k.off_middle, 0.15);
   EXPECT_NEAR(m.thickness_median, thickness, 0.05);
   EXPECT_EQ(k.loops.size(), 2u);
+}
+
+// Right or refused, whatever the noise: never a piece of the sheet.
+TEST(MidSurfaceOfSolid, rougher_faces_are_right_or_refused) {
+  const double radius = 8, thickness = 1.8, area = 2 * M_PI * radius * radius * (std::cos(0.6) - std::cos(1.5));
+  int right = 0, refused = 0;
+  for (double size : {0.05, 0.12}) {
+    SolidSurface solid = solid_of(sphere_zone(radius, thickness, 0.6, 1.5), 100, 15, 4);
+    tilt(solid);
+    std::mt19937 random(7);
+    std::normal_distribution<double> noise(0, size);
+    for (Vec3& p : solid.points) p += Vec3(noise(random), noise(random), noise(random));
+    try {
+      const SolidMidSurface m = mv::mid_surface_of_solid(solid);
+      const double found = area_of(m);
+      std::printf("noise %.2f mm: area %.1f of %.1f mm2, %zu rims\n", size, found, area, mv::border_loops(m.points, m.triangles).size());
+      EXPECT_NEAR(found, area, 0.25 * area);
+      EXPECT_EQ(mv::border_loops(m.points, m.triangles).size(), 2u);
+      ++right;
+    } catch (const mv::InputError& error) {
+      std::printf("noise %.2f mm refused: %s\n", size, error.what());
+      ++refused;
+    }
+  }
+  EXPECT_EQ(right + refused, 2);
 }
 
 TEST(MidSurfaceOfSolid, what_is_no_thick_sheet_is_refused) {
