@@ -8,6 +8,7 @@
 #include "pipeline/deck_source.h"
 #include "pipeline/generic_source.h"
 #include "pipeline/labels_source.h"
+#include "pipeline/surface_source.h"
 
 namespace mv {
 
@@ -16,6 +17,7 @@ const std::vector<SourceKind>& source_kinds() {
       {"generic", "four-semicircle valve on an elliptic or a measured annulus", make_generic_source},
       {"labels", "leaflets, annulus and papillary tips from a NIfTI label map", make_labels_source},
       {"curves", "segmented slices (NIfTI, PNG) or drawn curves (CSV, VTP, Slicer markups)", make_curves_source},
+      {"surface", "surface of thick leaflets or their mid-surface (STL, OBJ, PLY, VTP, VTK)", make_surface_source},
       {"deck", "leaflets, chordae, motion, laws and pressure of an Abaqus deck", make_deck_source},
   };
   return kinds;

@@ -94,6 +94,12 @@ const Row rows[] = {
     {"curves.knot_spacing", "length", "4 mm", "1 mm .. 30 mm", "distance of the B-spline's knots"},
     {"curves.thickness", "choice measured|uniform", "measured", "", "measured: where the slices (or the column thickness_mm) show it; uniform: mesh.thickness"},
 
+    {"surface.file", "path", "", "", "surface of the leaflets: .stl, .obj, .ply, .vtp or .vtk"},
+    {"surface.unit", "choice auto|mm|cm|m|um", "auto", "", "unit of length of the files; auto: what a VTK file records, else mm"},
+    {"surface.space", "choice RAS|LPS", "RAS", "", "coordinates of the files"},
+    {"surface.kind", "choice auto|thick|double_wall|mid", "auto", "", "what the surface is: thick leaflets closed all round, both faces open along the annulus, or the mid-surface; auto: from its rims"},
+    {"surface.papillary", "path[]", "[]", "", "papillary muscles: closed surfaces, one or several files (the tip is the end towards the leaflets), or CSV of tips (columns x_mm,y_mm,z_mm; always mm)"},
+
     {"deck.file", "path", "", "", "Abaqus input file (.inp)"},
     {"deck.units", "choice mm-tonne-s|mm-g-s|m-kg-s", "mm-tonne-s", "", "consistent units of the deck: mm and MPa, mm and Pa, m and Pa"},
     {"deck.leaflets", "text[]", "[]", "", "element sets of the leaflets as NAME=SET, NAME anterior, posterior or septal, e.g. [\"anterior=AML\"]; empty: sets of shells whose names hold the leaflet's name"},

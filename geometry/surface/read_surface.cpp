@@ -96,4 +96,20 @@ RawSurface read_surface(const std::filesystem::path& file, const std::string& un
   return s;
 }
 
+void expect_valve_size(const RawSurface& surface, const std::string& name, const std::string& unit) {
+  constexpr double smallest = 5, largest = 300;  // mm, an infant's valve to a whole heart
+  Eigen::AlignedBox3d box;
+  for (const auto& t : surface.triangles)
+    for (int v : t) box.extend(surface.points[at(v)]);
+  const double size = surface.triangles.empty() ? 0 : box.diagonal().norm();
+  if (size >= smallest && size <= largest) return;
+  const double in_file = size / unit_factor(unit == "auto" ? "mm" : unit);
+  std::string fitting;
+  for (const char* other : {"um", "mm", "cm", "m"})
+    if (in_file * unit_factor(other) >= smallest && in_file * unit_factor(other) <= largest)
+      fitting += fmt::format("{}\"{}\"", fitting.empty() ? "surface.unit = " : " or ", other);
+  throw InputError(fmt::format("surface: {} is {:.3g} mm from corner to corner with surface.unit = \"{}\"; expected {} to {} mm for a valve: {}", name, size,
+                               unit, smallest, largest, fitting.empty() ? "no unit fits, check the file" : "set " + fitting));
+}
+
 }  // namespace mv
