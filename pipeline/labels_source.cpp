@@ -34,7 +34,6 @@ void add_notes(RawLeaflets& raw, const std::vector<std::string>& notes) { raw.no
 
 void take_landmarks(const LabelLandmarks& marks, RawLeaflets& raw) {
   raw.annulus_curve = marks.annulus_curve;
-  raw.annulus_seen = marks.annulus_seen;
   raw.commissures = marks.commissures;
   raw.papillary_points = marks.papillary_points;
   raw.papillary_names = marks.papillary_names;
