@@ -123,7 +123,7 @@ std::string checked_bytes(const std::filesystem::path& file) {
 }
 
 template <class Reader, class Data>
-vtkSmartPointer<Data> read_with(const std::filesystem::path& file, const char* kind) {
+vtkSmartPointer<Data> read_with(const std::filesystem::path& file, const char* kind, bool is_ours = true) {
   const std::string bytes = checked_bytes(file);
   if (bytes.find(std::string("type=\"") + kind + "\"") == std::string::npos)
     refuse(file, std::string("not a VTK XML file of type ") + kind);
@@ -141,6 +141,7 @@ vtkSmartPointer<Data> read_with(const std::filesystem::path& file, const char* k
   if (!errors.first().empty() || reader->GetErrorCode() != 0) refuse(file, "damaged: " + essence(errors.first()));
   vtkSmartPointer<Data> data = reader->GetOutput();
   if (!data) refuse(file, "damaged: nothing could be read");
+  if (!is_ours) return data;
   const DatasetReader check(file, data);
   for (const auto& [name, value] : {std::pair<std::string, std::string>{"UnitSystem", "mm"}, {"SPACE", "RAS"}}) {
     const auto texts = check.texts(name);
@@ -209,6 +210,10 @@ vtkSmartPointer<vtkUnstructuredGrid> read_unstructured_grid(const std::filesyste
 }
 vtkSmartPointer<vtkPolyData> read_poly_data(const std::filesystem::path& file) {
   return read_with<vtkXMLPolyDataReader, vtkPolyData>(file, "PolyData");
+}
+
+vtkSmartPointer<vtkPolyData> read_foreign_poly_data(const std::filesystem::path& file) {
+  return read_with<vtkXMLPolyDataReader, vtkPolyData>(file, "PolyData", false);
 }
 
 void DatasetReader::fail(const std::string& array, const std::string& why) const {

@@ -43,6 +43,8 @@ void write_vtk(const std::filesystem::path& file, vtkDataObject* data);
 /// file cannot be opened, InputError when it is damaged, incomplete, of another kind, or of another unit or space.
 vtkSmartPointer<vtkUnstructuredGrid> read_unstructured_grid(const std::filesystem::path& file);
 vtkSmartPointer<vtkPolyData> read_poly_data(const std::filesystem::path& file);
+/// A .vtp of another program: unit and space are the caller's business.
+vtkSmartPointer<vtkPolyData> read_foreign_poly_data(const std::filesystem::path& file);
 
 /// The arrays of one file with their checks. Every failure is an InputError that names file and array.
 class DatasetReader {

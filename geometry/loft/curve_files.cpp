@@ -139,7 +139,7 @@ void read_csv(const std::filesystem::path& file, bool is_lps, CurveSet& set) {
 }
 
 void read_vtp(const std::filesystem::path& file, bool is_lps, CurveSet& set) {
-  const auto data = read_poly_data(file);
+  const auto data = read_foreign_poly_data(file);
   const DatasetReader reader(file, data);
   const std::vector<double> x = reader.coordinates();
   vtkCellArray* lines = data->GetLines();

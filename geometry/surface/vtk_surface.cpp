@@ -58,7 +58,7 @@ vtkDataArray* labels_of(vtkDataSet* data) {
 RawSurface parse_vtk(const std::filesystem::path& file, bool is_xml, std::string& unit) {
   vtkSmartPointer<vtkDataSet> data;
   if (is_xml)
-    data = read_poly_data(file);
+    data = read_foreign_poly_data(file);
   else
     data = read_legacy(file.string());
   if (auto* text = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray("unit:points")))

@@ -117,7 +117,7 @@ TEST(Mvprep, run_makes_a_complete_case_and_a_second_run_skips_everything) {
 
   const auto changed = mvprep({"run", "-c", config, "-o", dir / "case", "--set", "chordae.slack=1.05"}, dir);
   ASSERT_EQ(changed.code, 0) << changed.err;
-  EXPECT_EQ(count(changed.out, "skipped"), 5) << changed.out;
+  EXPECT_EQ(count(changed.out, "skipped"), 4) << changed.out;  // fibres can follow the chordae
 
   const auto forced = mvprep({"run", "-c", config, "-o", dir / "case", "--from", "fibers"}, dir);
   ASSERT_EQ(forced.code, 0) << forced.err;

@@ -118,7 +118,7 @@ TEST(Config, every_kind_of_wrong_value_names_file_line_key_value_and_expectation
       {"[contact]\nfriction = -0.1\n", {"out of range"}},
       {"[contact]\nfriction = \"0.2\"\n", {"expected a number"}},
       {"[contact]\nenabled = 1\n", {"true or false"}},
-      {"[fibers]\nmodel = \"ark\"\n", {"demo.toml:2", "nearest is \"arc\"", "\"arc\", \"parallel\", \"none\""}},
+      {"[fibers]\nmodel = \"ark\"\n", {"demo.toml:2", "nearest is \"arc\"", "\"arc\", \"parallel\", \"outline\""}},
       {"[fibers]\nmodel = 3\n", {"one of"}},
       {"[case]\nname = 3\n", {"a text"}},
       {"[chordae]\nremoved = [1.5]\n", {"whole numbers"}},
