@@ -102,7 +102,9 @@ std::string run_gates_stage(const StageContext& context) {
 
   nlohmann::ordered_json json = to_json(report);
   json["measures"] = measures(mesh, annulus, tube, chordae, source.anterior_direction);
-  if (check_fibers(mesh, fiber_model_from_name(context.config.text("fibers.model"))).passed)
+  const std::string& model = context.config.text("fibers.model");
+  const bool follows_rule = model != "source";  // a deck's own directions follow none
+  if (follows_rule && check_fibers(mesh, fiber_model_from_name(model)).passed)
     json["fibers"] = fibre_angles(mesh, annulus, fiber_options(context.config, chordae));
   write_text_atomically(context.out("quality.json"), json.dump(2) + "\n");
   if (!report.passed()) throw GateError("gates not passed, see quality.json:\n" + report.failures());

@@ -210,7 +210,7 @@ TEST(CurvesSource, broken_slices) {
 TEST(CurvesSource, visible_human_slices_become_a_case_with_every_gate_passed) {
   const TemporaryDirectory dir;
   const Outcome outcome = mvprep("run -c " + std::string(MV_SOURCE_DIR) + "/configs/patients/visible_human_curves.toml -o " + (dir / "case").string() +
-                                     " --set mesh.spacing=\"0.9 mm\" --set tube.spacing=\"2 mm\"", dir);
+                                     " --set mesh.spacing=\"0.9 mm\" --set mesh.layers=2 --set tube.spacing=\"2 mm\"", dir);  // flat layers need longer edges
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const Outcome self = mvprep("compare " + (dir / "case").string() + " " + (dir / "case").string() + " --csv " + (dir / "table.csv").string(), dir);
   ASSERT_EQ(self.code, 0) << self.err;

@@ -260,7 +260,7 @@ TEST(Mvprep, exit_5_for_a_failed_gate_that_names_element_and_reason) {
   EXPECT_EQ(mvprep({"check", dir / "case"}, dir).code, 5);
   const auto lenient = mvprep({"run", "-c", coarse_config(dir), "-o", dir / "case"}, dir);
   EXPECT_EQ(lenient.code, 0) << lenient.err;
-  EXPECT_EQ(count(lenient.out, "skipped"), 6);
+  EXPECT_EQ(count(lenient.out, "skipped"), 5) << "the gate of angles decides how patient leaflets are thinned, so the source is made again";
 }
 
 TEST(Mvprep, a_failing_stage_leaves_no_case_of_mixed_parts) {
