@@ -238,7 +238,9 @@ void Simulation::advance(State& state, double dt) {
     times_.fluid += seconds_since(start);
     start = Clock::now();
     coupling_->move(nodes, state.flow.velocity, dt);
-    guard_motion(state, dt);
+    times_.coupling += seconds_since(start);
+    guard_motion(state, dt);  // keeps its own time
+    start = Clock::now();
     // What the nodes did in truth, relaxation and slip included, is what friction feels.
     if (is_relaxed || drainage_)
       parallel_for(static_cast<std::ptrdiff_t>(state.v.size()), [&](std::ptrdiff_t a) {
