@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Elements laid out for the kernels: blocks of eight of one material (structure of arrays), blocks gathered into tiles of
+// Elements laid out for the kernels: blocks of `lanes` (pack.h) of one material (structure of arrays), blocks gathered into tiles of
 // neighbouring elements. A tile works on its own copies of its nodes, then every node sums the tiles it belongs to in fixed
 // order: no atomics, and the same sum whatever the number of threads.
 
@@ -81,12 +81,12 @@ inline constexpr int tile_nodes_max = 512;
 struct ElementBlocks {
   int nodes = 4, points = 1;
   long node_count = 0, element_count = 0, block_count = 0;
-  // per block: points x (9 components of dxi/dX, row k, then the weight in m3), then 3 components of the fibre; 8 lanes each.
+  // per block: points x (9 components of dxi/dX, row k, then the weight in m3), then 3 components of the fibre; `lanes` values each.
   // Lanes that pad the last block of a material repeat its last element with weight 0.
   Aligned<double> data;
-  Aligned<std::int32_t> local_node;   // per block: nodes x 8 lanes, index within the tile
+  Aligned<std::int32_t> local_node;   // per block: nodes x lanes, index within the tile
   std::vector<int> block_material;
-  std::vector<std::int32_t> element;   // per block 8 lanes: index in the mesh, -1 for padding
+  std::vector<std::int32_t> element;   // per block and lane: index in the mesh, -1 for padding
   std::vector<Tile> tiles;
   std::vector<std::int32_t> tile_nodes;   // mesh node of each tile node
   // node n sums the partial forces node_slot[node_begin[n]] ... node_slot[node_begin[n + 1] - 1]

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Forces of eight elements at once: gather, compute, scatter.
+// Forces of a block of `lanes` elements at once: gather, compute, scatter.
 
 #include "solver/solid/element_blocks.h"
 #include "solver/solid/material_kernel.h"
@@ -10,16 +10,17 @@ namespace mv::solid_kernel {
 
 using Quad = double __attribute__((vector_size(32)));   // x y z and one unused
 
-/// Positions or forces of the nodes of eight elements.
+/// Positions or forces of the nodes of a block's elements.
 template <int N>
 struct ElementVectors {
   Pack a[N][3];
 };
 
-/// Transposes eight (x, y, z, -) records into three packs.
+/// Transposes a block's (x, y, z, -) records into three packs.
 MV_INLINE void load_corner(const double* records, const std::int32_t* index, Pack (&v)[3]) {
   Quad q[lanes];
   for (int l = 0; l < lanes; ++l) std::memcpy(&q[l], records + 4 * static_cast<std::ptrdiff_t>(index[l]), sizeof(Quad));
+#if MV_LANES == 8
   const Pack a = __builtin_shufflevector(q[0], q[4], 0, 1, 2, 3, 4, 5, 6, 7);
   const Pack b = __builtin_shufflevector(q[1], q[5], 0, 1, 2, 3, 4, 5, 6, 7);
   const Pack c = __builtin_shufflevector(q[2], q[6], 0, 1, 2, 3, 4, 5, 6, 7);
@@ -31,11 +32,19 @@ MV_INLINE void load_corner(const double* records, const std::int32_t* index, Pac
   v[0] = __builtin_shufflevector(xz_ab, xz_cd, 0, 1, 8, 9, 4, 5, 12, 13);
   v[1] = __builtin_shufflevector(y_ab, y_cd, 0, 1, 8, 9, 4, 5, 12, 13);
   v[2] = __builtin_shufflevector(xz_ab, xz_cd, 2, 3, 10, 11, 6, 7, 14, 15);
+#else
+  const Quad xz_ab = __builtin_shufflevector(q[0], q[1], 0, 4, 2, 6), xz_cd = __builtin_shufflevector(q[2], q[3], 0, 4, 2, 6);
+  const Quad y_ab = __builtin_shufflevector(q[0], q[1], 1, 5, 3, 7), y_cd = __builtin_shufflevector(q[2], q[3], 1, 5, 3, 7);
+  v[0] = __builtin_shufflevector(xz_ab, xz_cd, 0, 1, 4, 5);
+  v[1] = __builtin_shufflevector(y_ab, y_cd, 0, 1, 4, 5);
+  v[2] = __builtin_shufflevector(xz_ab, xz_cd, 2, 3, 6, 7);
+#endif
 }
 
-/// Adds three packs to eight (x, y, z, -) records, lane after lane: elements of a block share nodes.
+/// Adds three packs to a block's (x, y, z, -) records, lane after lane: elements of a block share nodes.
 MV_INLINE void add_corner(double* records, const std::int32_t* index, const Pack (&v)[3]) {
   const Pack zero{};
+#if MV_LANES == 8
   const Pack xy_even = __builtin_shufflevector(v[0], v[1], 0, 8, 2, 10, 4, 12, 6, 14);
   const Pack xy_odd = __builtin_shufflevector(v[0], v[1], 1, 9, 3, 11, 5, 13, 7, 15);
   const Pack z_even = __builtin_shufflevector(v[2], zero, 0, 8, 2, 10, 4, 12, 6, 14);
@@ -45,6 +54,12 @@ MV_INLINE void add_corner(double* records, const std::int32_t* index, const Pack
       __builtin_shufflevector(xy_even, z_even, 2, 3, 10, 11), __builtin_shufflevector(xy_odd, z_odd, 2, 3, 10, 11),
       __builtin_shufflevector(xy_even, z_even, 4, 5, 12, 13), __builtin_shufflevector(xy_odd, z_odd, 4, 5, 12, 13),
       __builtin_shufflevector(xy_even, z_even, 6, 7, 14, 15), __builtin_shufflevector(xy_odd, z_odd, 6, 7, 14, 15)};
+#else
+  const Pack xy_even = __builtin_shufflevector(v[0], v[1], 0, 4, 2, 6), xy_odd = __builtin_shufflevector(v[0], v[1], 1, 5, 3, 7);
+  const Pack z_even = __builtin_shufflevector(v[2], zero, 0, 4, 2, 6), z_odd = __builtin_shufflevector(v[2], zero, 1, 5, 3, 7);
+  const Quad q[lanes] = {__builtin_shufflevector(xy_even, z_even, 0, 1, 4, 5), __builtin_shufflevector(xy_odd, z_odd, 0, 1, 4, 5),
+                         __builtin_shufflevector(xy_even, z_even, 2, 3, 6, 7), __builtin_shufflevector(xy_odd, z_odd, 2, 3, 6, 7)};
+#endif
   for (int l = 0; l < lanes; ++l) {
     double* record = records + 4 * static_cast<std::ptrdiff_t>(index[l]);
     Quad sum;

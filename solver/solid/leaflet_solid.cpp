@@ -295,7 +295,7 @@ void LeafletSolid::forces_directional(std::span<const double> x, std::span<const
 
 // --- critical step
 
-/// Power iteration on M_e^(-1/2) K_e M_e^(-1/2) of eight elements at a time, K_e by central differences of the element forces.
+/// Power iteration on M_e^(-1/2) K_e M_e^(-1/2) of a block of elements at a time, K_e by central differences of the element forces.
 template <int N>
 double LeafletSolid::Data::tile_step(const Tile& tile, const double* x, std::span<double> element_steps, int rounds) const {
   constexpr double relative_displacement = 1e-6;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Material response at a point, written once for one point (T = double) and for eight (T = Pack). Pure functions.
+// Material response at a point, written once for one point (T = double) and for `lanes` of them (T = Pack). Pure functions.
 //
 // Isochoric laws are functions of I1b = m I1 and I4b = m4 I4 with m = J^(-2/3) (m4 = m, or 1 without the modified fibre
 // invariant), so

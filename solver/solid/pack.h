@@ -1,23 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Eight doubles in one vector register (AVX-512) or two to four (AVX2, SSE), through the compiler's vector types, and the few
+// Eight doubles in one vector register (AVX-512), or four in one (AVX2) or two (SSE2), through the compiler's vector types, and the few
 // functions the material kernels need, each with the same meaning for double and for Pack. Values and masks are lane by lane. exp
 // and log are our own, from argument reduction and series; their error against std:: is below 4e-16 relative (tested).
 
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#if defined(__AVX512F__)
+#if defined(__AVX512F__) || defined(__AVX2__)
 #include <immintrin.h>
+#endif
+
+// Not wider than a register: the compiler takes selections of wider vectors apart, value by value (three to five times as long).
+#if defined(__AVX512F__)
+#define MV_LANES 8
+#else
+#define MV_LANES 4
 #endif
 
 namespace mv {
 
-inline constexpr int lanes = 8;
+inline constexpr int lanes = MV_LANES;
 
 using Pack = double __attribute__((vector_size(8 * lanes)));
 using PackInt = std::int64_t __attribute__((vector_size(8 * lanes)));   // result of comparing packs: 0 or -1 in each lane
+using PackUnsigned = std::uint64_t __attribute__((vector_size(8 * lanes)));
 
 #define MV_INLINE inline __attribute__((always_inline))
 
@@ -51,6 +59,8 @@ MV_INLINE bool any(bool mask) { return mask; }
 MV_INLINE bool any(PackInt mask) {
 #if defined(__AVX512DQ__)
   return _mm512_movepi64_mask((__m512i)mask) != 0;
+#elif defined(__AVX2__) && MV_LANES == 4
+  return _mm256_movemask_pd((__m256d)mask) != 0;
 #else
   std::int64_t r = 0;
   for (int i = 0; i < lanes; ++i) r |= mask[i];
@@ -74,6 +84,8 @@ MV_INLINE double square_root(double a) { return std::sqrt(a); }
 MV_INLINE Pack square_root(Pack a) {
 #if defined(__AVX512F__)
   return (Pack)_mm512_maskz_sqrt_pd((__mmask8)-1, (__m512d)a);
+#elif defined(__AVX2__)
+  return (Pack)_mm256_sqrt_pd((__m256d)a);
 #else
   Pack r;
   for (int i = 0; i < lanes; ++i) r[i] = __builtin_sqrt(a[i]);
@@ -119,7 +131,8 @@ MV_INLINE Pack logarithm(Pack a) {
   constexpr std::int64_t root_half_bits = 0x3fe6a09e667f3bcd, shifter_bits = 0x4338000000000000;
   constexpr double ln2_high = 0x1.62e42fee00000p-1, ln2_low = 0x1.a39ef35793c76p-33;
   const PackInt bits = (PackInt)a;
-  const PackInt e = (bits - root_half_bits) >> 52;
+  // AVX2 shifts 64 bits without sign only: an offset of 1024 keeps what is shifted positive.
+  const PackInt e = (PackInt)((PackUnsigned)(bits - root_half_bits + (std::int64_t{1024} << 52)) >> 52) - 1024;
   const Pack m = (Pack)(bits - (e << 52));
   const Pack exponent = (Pack)(e + shifter_bits) - shifter;
   const Pack f = m - 1.0;

@@ -70,6 +70,7 @@ class Simulation {
   void book_unseen_motion(State& state);
   double work_on(const std::vector<double>& shift) const;
   /// Takes from the step what would make leaflets pass through each other, and books its loss.
+  double largest_motion(const State& state, std::size_t count) const;
   void guard_motion(State& state, double dt);
   double choose_step(State& state, double stop_time, std::string& limiter);
   /// Why the step just made cannot stand, or empty; notes the largest velocity of a node.

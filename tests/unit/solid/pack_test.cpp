@@ -54,16 +54,24 @@ TEST(pack, logarithm_agrees_with_std_log) {
 }
 
 TEST(pack, square_root_maximum_select_and_any) {
-  Pack a = {0.0, 1.0, 2.0, 4.0, 9.0, 1e-300, 1e300, 0.25};
-  const Pack r = square_root(a);
-  for (int l = 0; l < lanes; ++l) EXPECT_EQ(lane(r, l), std::sqrt(lane(a, l)));
-  Pack b = {1e-300, 1e-8, 0.3, 0.5, 0.99, 1.0, 123.0, 1e300};
-  const Pack inverse = inverse_square_root(b);
-  for (int l = 0; l < lanes; ++l) EXPECT_NEAR(lane(inverse, l) * std::sqrt(lane(b, l)), 1.0, 4.5e-16);
-  EXPECT_TRUE(any(a > broadcast<Pack>(1e299)));
-  EXPECT_FALSE(any(a < Pack{}));
-  EXPECT_EQ(lane(absolute(-a), 3), 4.0);
-  EXPECT_EQ(lane(select(a > broadcast<Pack>(3.0), a, -a), 2), -2.0);
+  const double roots[8] = {0.0, 1.0, 2.0, 4.0, 9.0, 1e-300, 1e300, 0.25};
+  const double inverses[8] = {1e-300, 1e-8, 0.3, 0.5, 0.99, 1.0, 123.0, 1e300};
+  for (int begin = 0; begin < 8; begin += lanes) {
+    const Pack r = square_root(load(roots + begin)), inverse = inverse_square_root(load(inverses + begin));
+    for (int l = 0; l < lanes; ++l) {
+      EXPECT_EQ(lane(r, l), std::sqrt(roots[begin + l]));
+      EXPECT_NEAR(lane(inverse, l) * std::sqrt(inverses[begin + l]), 1.0, 4.5e-16);
+    }
+  }
+  for (int l = 0; l < lanes; ++l) {   // each lane counts, and no other
+    Pack a = load(roots);
+    a[l] = 1e300;
+    EXPECT_TRUE(any(a > broadcast<Pack>(1e299)));
+    EXPECT_EQ(any(a < Pack{}), false);
+    const Pack chosen = select(a > broadcast<Pack>(1e299), a, -a);
+    for (int k = 0; k < lanes; ++k) EXPECT_EQ(lane(chosen, k), k == l || a[k] > 1e299 ? a[k] : -a[k]);
+  }
+  EXPECT_EQ(lane(absolute(-load(roots)), 3), 4.0);
 }
 
 /// A = R diag(values) R^T must come back for values that repeat exactly, nearly, or not.
@@ -82,22 +90,22 @@ TEST(principal_values, rebuild_the_tensor_also_for_repeated_values) {
           {2 * (q[1] * q[2] + q[3] * q[0]), 1 - 2 * (q[1] * q[1] + q[3] * q[3]), 2 * (q[2] * q[3] - q[1] * q[0])},
           {2 * (q[1] * q[3] - q[2] * q[0]), 2 * (q[2] * q[3] + q[1] * q[0]), 1 - 2 * (q[1] * q[1] + q[2] * q[2])}};
       Tensor<double> A{};
-      Tensor<Pack> A8{};
+      Tensor<Pack> Ap{};
       double scale = 0;
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
           for (int a = 0; a < 3; ++a) A(i, j) += R[i][a] * values[a] * R[j][a];
-          A8(i, j) = broadcast<Pack>(A(i, j));
+          Ap(i, j) = broadcast<Pack>(A(i, j));
         }
       for (double v : values) scale = std::max(scale, v);
       const Spectrum<double> s = principal_values(A);
-      const Spectrum<Pack> s8 = principal_values(A8);
+      const Spectrum<Pack> sp = principal_values(Ap);
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
           double rebuilt = 0, rebuilt8 = 0, orthogonal = 0;
           for (int a = 0; a < 3; ++a) {
             rebuilt += s.value[a] * s.vector[a][i] * s.vector[a][j];
-            rebuilt8 += s8.value[a][5] * s8.vector[a][i][5] * s8.vector[a][j][5];
+            rebuilt8 += sp.value[a][lanes - 1] * sp.vector[a][i][lanes - 1] * sp.vector[a][j][lanes - 1];
             orthogonal += s.vector[i][a] * s.vector[j][a];
           }
           ASSERT_NEAR(rebuilt, A(i, j), 4e-15 * scale);
