@@ -33,6 +33,7 @@ constexpr double largest_continuation = 0.7;  // over the thickness; a fit that 
 constexpr double corner_colour = 0.6;         // |s| of a rim's point beyond which it lies at the corner to a face
 constexpr double largest_area_miss = 0.25;    // of half the faces' area
 constexpr double shortest_hole = 2;           // rim over the thickness: a hole narrower than the sheet is thick by two thirds
+constexpr double longest_false_hole = 10;     // rim over the thickness of a hole that is filled because no rim of the solid is near
 
 /// Piece of the curve on the solid's surface where the colour changes sign, and the width of the rim there.
 struct Segment {
@@ -377,6 +378,7 @@ SolidMidSurface mid_surface_of_solid(const SolidSurface& solid, const SolidMidOp
   const Rims rims(faces);
   tidy.rim_distance = [&rims](const Vec3& x) { return (nearest_on(rims.middle(), x) - x).norm(); };
   tidy.rim_reach = 0.5 * thickness;
+  tidy.longest_hole = longest_false_hole * thickness;
   LevelSurface level = depth.level(0.5);
   if (level.triangles.empty()) throw InputError("surface: the depth has no middle level; expected closed thick leaflets");
   level = tidy_sheet(level, tidy, mid.notes);

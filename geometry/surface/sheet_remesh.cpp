@@ -103,7 +103,8 @@ void fill_false_holes(Mesh& mesh, const SheetOptions& options, std::vector<std::
       first = a;
       if ((e = mesh.next(e)) == h) break;
     }
-    if (length >= options.shortest_hole && (!options.rim_distance || off <= options.rim_reach * length)) continue;
+    const bool is_far_from_rims = options.rim_distance && off > options.rim_reach * length && length < options.longest_hole;
+    if (length >= options.shortest_hole && !is_far_from_rims) continue;
     std::vector<Mesh::Face_index> faces;
     PMP::triangulate_hole(mesh, h, std::back_inserter(faces));
     ++(faces.empty() ? failed : filled);

@@ -16,7 +16,8 @@ struct SheetOptions {
   double smallest_part = 0;   // mm2, parts below are dropped
   double shortest_hole = 0;   // mm, holes with a shorter rim are filled
   std::function<double(const Vec3&)> rim_distance;  // mm, to the rims that the sheet should have
-  double rim_reach = 0;       // mm, holes whose mean distance to the rims is larger are filled
+  double rim_reach = 0;       // mm, holes whose mean distance to the rims is larger are filled ...
+  double longest_hole = 0;    // mm, ... when their rim is shorter than this: a long border is the sheet's, wherever its level ends
 };
 
 /// Oriented manifold with border. Every part dropped and hole filled is told in `notes`; the largest part stays in any case.

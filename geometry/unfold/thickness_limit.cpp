@@ -21,6 +21,7 @@ constexpr double thinning = 0.8;         // per round, where sheets meet
 constexpr int most_rounds = 40;
 constexpr double slender_thinning = 0.9;  // per round, where tetrahedra are slender
 constexpr int rounds_without_gain = 6;
+constexpr double most_left = 0.25;     // of the slender tetrahedra; thinning that leaves more is undone: it is not the thickness that makes them slender
 constexpr double angle_reserve = 0.2;  // degrees above the gate's limit
 
 std::size_t at(long i) { return static_cast<std::size_t>(i); }
@@ -99,16 +100,18 @@ Slender slender_points(const MidSurface& s, int layers, double limit) {
   return found;
 }
 
-/// Lowers the thickness at slender tetrahedra while that helps; keeps the best.
+/// Lowers the thickness at slender tetrahedra while that helps; keeps the best, or nothing where it helps too few.
 void thin_slender(MidSurface& s, double least, int layers, double limit, const std::vector<std::vector<std::pair<int, double>>>& near) {
   std::vector<double> best;
-  long fewest = 0;
+  const std::vector<double> before = s.thickness;
+  long first = 0, fewest = 0;
   int without_gain = 0;
   for (int round = 0; round < most_rounds; ++round) {
     const Slender slender = slender_points(s, layers, limit);
     if (round == 0 || slender.count < fewest) {
       best = s.thickness;
       fewest = slender.count;
+      if (round == 0) first = fewest;
       without_gain = 0;
     } else if (++without_gain == rounds_without_gain) {
       break;
@@ -123,7 +126,7 @@ void thin_slender(MidSurface& s, double least, int layers, double limit, const s
     if (!is_thinned) break;
     level(s.thickness, near);
   }
-  s.thickness = best;
+  s.thickness = static_cast<double>(fewest) <= most_left * static_cast<double>(first) ? best : before;
 }
 
 std::string changed(const MidSurface& s, const std::vector<double>& before, const char* why) {

@@ -17,7 +17,7 @@ inline constexpr double fold_share = 0.7;
 ///  - curvature: kappa thickness / 2 <= fold_share, kappa the largest normal curvature along the edges of a point;
 ///  - meeting: triangles of the thick shell that intersect thin out their surroundings by steps of a fifth, as long as they are above `least` (mm);
 ///  - slender tetrahedra: where the leaflet in `layers` layers has dihedral angles below `dihedral_min` (degrees) its thickness is lowered by steps of a tenth, as long
-///    as that makes them fewer; what is left is for the gate to report;
+///    as that makes them fewer; undone when more than a quarter is left. What is left is for the gate to report;
 ///  - slope: neighbours differ by at most half their distance, so that no step is left.
 /// Returns what was done, one note per reason with share of the area and smallest value. Throws GateError when the shell still meets itself at
 /// `least`, with the place.
