@@ -2,6 +2,7 @@
 #include "geometry/annulus/annulus_fit.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -148,7 +149,7 @@ TEST(Papillary, anterior_direction_is_away_from_the_tips_or_towards_the_higher_h
 class PointsCsv : public ::testing::Test {
  protected:
   std::filesystem::path write(const std::string& text) {
-    const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "points.csv";
+    const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / ("annulus_points_" + std::to_string(::getpid()) + ".csv");
     std::ofstream(file) << text;
     return file;
   }

@@ -3,6 +3,7 @@
 #include "geometry/chordae/chordae_file.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
@@ -18,7 +19,7 @@ using namespace mv;
 class ChordaeFile : public ::testing::Test {
  protected:
   std::filesystem::path write(const std::string& name, const std::string& text) const {
-    const auto file = std::filesystem::path(::testing::TempDir()) / ("chordae_file_" + name);
+    const auto file = std::filesystem::path(::testing::TempDir()) / ("chordae_file_" + std::to_string(::getpid()) + "_" + name);
     std::ofstream(file) << text;
     return file;
   }

@@ -2,6 +2,7 @@
 #include "geometry/core/config.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -244,7 +245,7 @@ TEST(Config, fingerprint_changes_with_its_keys_only) {
 }
 
 TEST(Config, relative_paths_start_at_the_file) {
-  const auto directory = std::filesystem::temp_directory_path() / "mv_config_test";
+  const auto directory = std::filesystem::temp_directory_path() / ("mv_config_test_" + std::to_string(::getpid()));
   std::filesystem::create_directories(directory);
   std::ofstream(directory / "a.toml") << "[generic]\nannulus = \"data/x.csv\"\npapillary = \"/abs/p.csv\"\n";
   const Config c = Config::from_file(directory / "a.toml");

@@ -2,6 +2,7 @@
 #include "solver/output/contact_map.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -84,7 +85,7 @@ TEST(ContactMapTest, comes_back_from_its_file) {
   ContactMap map = map_of(valve);
   map.in_belt.assign(map.points.size(), 0);
   map.in_belt[3] = 1;
-  const fs::path file = fs::temp_directory_path() / "mv_contact_map_test.vtp";
+  const fs::path file = fs::temp_directory_path() / ("mv_contact_map_test_" + std::to_string(::getpid()) + ".vtp");
   write_contact_map(file, map);
   const ContactMap back = read_contact_map(file);
   EXPECT_EQ(back.triangles, map.triangles);

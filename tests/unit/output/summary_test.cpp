@@ -2,6 +2,7 @@
 #include "solver/output/summary.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -30,7 +31,7 @@ TEST(SummaryTest, dots_nest_and_order_is_kept) {
 }
 
 TEST(SummaryTest, file_reads_back_and_what_is_not_finite_is_null) {
-  const fs::path file = fs::temp_directory_path() / "mv_summary_test.json";
+  const fs::path file = fs::temp_directory_path() / ("mv_summary_test_" + std::to_string(::getpid()) + ".json");
   Summary s;
   s.set("a.b", 1.0 / 3);
   s.set("a.c", std::numeric_limits<double>::infinity());

@@ -2,6 +2,7 @@
 #include "solver/report/compare.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <iostream>
@@ -16,7 +17,7 @@ using namespace mv;
 
 class Compare : public ::testing::Test {
  protected:
-  std::filesystem::path root = std::filesystem::path(::testing::TempDir()) / "compare_test";
+  std::filesystem::path root = std::filesystem::path(::testing::TempDir()) / ("compare_test_" + std::to_string(::getpid()));
   void SetUp() override {
     std::filesystem::remove_all(root);
     test::SyntheticOptions leaking;
@@ -24,6 +25,7 @@ class Compare : public ::testing::Test {
     test::write_synthetic_results(root / "sealed", {});
     test::write_synthetic_results(root / "leaking", leaking);
   }
+  void TearDown() override { std::filesystem::remove_all(root); }
 };
 
 TEST_F(Compare, puts_scalars_in_a_table_and_valves_in_a_picture) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -18,7 +19,7 @@ using mv::RawSurface;
 using mv::read_surface;
 
 std::filesystem::path file_of(const std::string& name, const std::string& text) {
-  const auto path = std::filesystem::path(testing::TempDir()) / ("read_surface_" + name);
+  const auto path = std::filesystem::path(testing::TempDir()) / ("read_surface_" + std::to_string(::getpid()) + "_" + name);
   std::ofstream(path, std::ios::binary) << text;
   return path;
 }
