@@ -322,7 +322,6 @@ void Simulation::book_unseen_motion(State& state) {
   state.ledger.coupling_loss += state.unseen_work;
 }
 
-/// Largest component of the motion of this step (m) over the first `count` coordinates; NaN when one of them is.
 double Simulation::largest_motion(const State& state, std::size_t count) const {
   double moved = 0;
   for (std::size_t a = 0; a < count; ++a) {
@@ -337,7 +336,8 @@ void Simulation::guard_motion(State& state, double dt) {
   if (!guard_) return;
   const auto start = Clock::now();
   const std::size_t leaflet_size = 3 * static_cast<std::size_t>(structure_->leaflet_nodes());
-  // A step that failure() refuses anyhow is not worth the search: far-flung nodes make it as long as the box.
+  // Far-flung nodes make the search as long as the box. Such a step is left to failure(), also where stopping nodes would have brought it within the limit:
+  // half the step does the same with less.
   if (outside_ > 0 || !(largest_motion(state, leaflet_size) < largest_move * motion_scale())) return;
   guard_->apply(std::span<const double>(x_before_.data(), leaflet_size), std::span<double>(state.x.data(), leaflet_size));
   const auto moved = guard_->moved();

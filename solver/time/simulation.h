@@ -69,8 +69,9 @@ class Simulation {
   /// Books what relaxation and slip, which the blood does not feel, take from the budget.
   void book_unseen_motion(State& state);
   double work_on(const std::vector<double>& shift) const;
-  /// Takes from the step what would make leaflets pass through each other, and books its loss.
+  /// Largest component of the motion of this step (m) over the first `count` coordinates; NaN when one of them is.
   double largest_motion(const State& state, std::size_t count) const;
+  /// Takes from the step what would make leaflets pass through each other, and books its loss.
   void guard_motion(State& state, double dt);
   double choose_step(State& state, double stop_time, std::string& limiter);
   /// Why the step just made cannot stand, or empty; notes the largest velocity of a node.
