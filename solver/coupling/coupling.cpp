@@ -9,20 +9,21 @@
 namespace mv {
 
 namespace {
-// Shares of the stability limits k dt^2 < 4 / mobility and c dt < 2 / mobility that the holding springs and dampers use.
-constexpr double hold_stiffness = 0.2;
-constexpr double hold_damping = 0.2;
+constexpr double hold_share_most = 0.2, hold_share_least = 0.05, hold_room = 0.42;   // set_hold_share()
 // Steps shorter than this hold no harder: the harder the hold, the more of the weakly seen motions between the held nodes it stops, and what the annulus lets
 // pass would depend on the step.
 constexpr double hold_step = 50e-6;  // s
 // kappa and beta of relax(): a ninth of the stability limit 4 kappa < 2 (1 + beta), because tau is some fifty steps old while the fibres stiffen.
 constexpr double relaxation = 0.1;
 constexpr double relaxation_memory = 0.9;
-// Nodes in corners of the wall, where almost nothing is spread, do not relax.
-constexpr double smallest_volume_share = 0.05;
+// Nodes in corners of the wall, where almost nothing is spread, do not relax: <V> there is less than this share of V / h^3. What a node's own volume leaves at its
+// place in open blood is 0.03 to 0.13 of that, by the kernel; what its neighbours leave comes on top.
+constexpr double smallest_volume_share = 0.01;
 }  // namespace
 
 Coupling::Coupling(Transfer transfer, double fluid_density) : transfer_(std::move(transfer)), density_(fluid_density) {}
+
+void Coupling::set_hold_share(double safety) { hold_share_ = std::clamp(hold_room * (1.0 - safety * safety), hold_share_least, hold_share_most); }
 
 int Coupling::set_held(std::span<const double> x, std::span<const char> is_fixed) {
   std::vector<double> positions;
@@ -71,11 +72,12 @@ std::span<double> Coupling::find_unseen(std::span<const double> forces, const Fa
     transfer_.interpolate(volume_density_, mean_volume);
   }
   std::fill(unseen_.begin(), unseen_.end(), 0.0);
+  const double cell = std::pow(transfer_.grid().h, 3);
   parallel_for(static_cast<std::ptrdiff_t>(active_.size()), [&](std::ptrdiff_t q) {
     const std::size_t node = static_cast<std::size_t>(active_[static_cast<std::size_t>(q)]);
     if (!(volumes_[node] > 0)) return;
     for (std::size_t a = 3 * node; a < 3 * node + 3; ++a)
-      if (mean_volume[a] > smallest_volume_share) unseen_[a] = forces[a] - volumes_[node] * mean_force_[a] / mean_volume[a];
+      if (mean_volume[a] * cell > smallest_volume_share * volumes_[node]) unseen_[a] = forces[a] - volumes_[node] * mean_force_[a] / mean_volume[a];
   });
   return unseen_;
 }
@@ -97,8 +99,8 @@ void Coupling::relax(const CoupledNodes& nodes, std::span<const double> unseen, 
 double Coupling::hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density) {
   if (!held_transfer_ || !(held_mobility_ > 0)) return 0.0;
   const double step = std::max(dt, hold_step);
-  const double spring = hold_stiffness * 4.0 / (held_mobility_ * step * step);
-  const double damper = hold_damping * 2.0 / (held_mobility_ * step);
+  const double spring = hold_share_ * 4.0 / (held_mobility_ * step * step);
+  const double damper = hold_share_ * 2.0 / (held_mobility_ * step);
   held_transfer_->interpolate(velocity, held_velocity_);
   double work = 0;
   for (std::size_t a = 0; a < holding.size(); ++a) {

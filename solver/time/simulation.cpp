@@ -35,7 +35,7 @@ constexpr int snapshot_every = 200;       // steps between two states to fall ba
 constexpr int rollbacks_allowed = 8;      // in a row
 constexpr int cap_steps = 500;            // how long the smaller step lasts after a rollback
 // An inverted element is pushed back by the continued law and distortion control; a step fails when they become more than a few.
-constexpr double inverted_share_allowed = 2e-4;
+constexpr double inverted_share_allowed = 2e-4, inverted_always_allowed = 4;  // on a coarse mesh the share is less than one element
 constexpr double largest_move = 0.25;     // of the fluid spacing (or the mesh spacing) in one step
 constexpr double move_share = 0.6;        // of largest_move that the next step may make at the last step's largest velocity
 
@@ -79,11 +79,16 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)), waveform_(Wavefo
     fluid_.emplace(grid, FluidBoundary(), make_tube_wall(grid, section), config.number("fluid.density"), config.number("fluid.viscosity"));
     coupling_.emplace(Transfer(grid, fluid_->wall(), kernel_from_name(config.text("fluid.kernel"))), config.number("fluid.density"));
     force_density_ = FaceField(grid);
+    if (section.size() >= 3) {
+      const auto leaflets = static_cast<std::size_t>(structure_->leaflet_nodes());
+      wall_limit_.emplace(section, std::span<const double>(structure_->rest_positions().data(), 3 * leaflets), std::span<const char>(structure_->is_fixed().data(), leaflets));
+    }
     std::vector<double> volumes = structure_->solid().node_volumes();
     volumes.resize(structure_->is_fixed().size(), 0.0);
     coupling_->set_volumes(std::move(volumes));
     if (config.text("coupling.annulus") == "faces") fluid_->set_rest_faces(faces_crossed(grid, annulus_barrier(scene_)));
     else held_count_ = coupling_->set_held(structure_->rest_positions(), structure_->is_fixed());
+    coupling_->set_hold_share(config.number("time.safety"));
     if (scene_.has_contact() && config.text("coupling.scheme") == "drained") {
       FilmDrainageOptions options;
       options.drainage_time = config.number("coupling.drainage_time");
@@ -212,6 +217,8 @@ void Simulation::advance(State& state, double dt) {
   if (fluid_) {
     // The loss of the last step's unseen motion was booked with the forces before it; their mean with those after it is right to second order.
     if (!state.unseen_shift.empty()) state.ledger.coupling_loss += 0.5 * (work_on(state.unseen_shift) - state.unseen_work);
+    state.unseen_shift.clear();
+    state.unseen_work = 0;
     const CoupledNodes nodes{state.x, state.v, structure_->is_fixed()};
     auto start = Clock::now();
     outside_ = coupling_->bind(nodes);
@@ -332,38 +339,49 @@ double Simulation::largest_motion(const State& state, std::size_t count) const {
   return moved;
 }
 
+void Simulation::add_unseen(State& state, std::span<const int> nodes, std::span<const Eigen::Vector3d> shifts) {
+  if (nodes.empty()) return;
+  state.unseen_shift.resize(state.x.size(), 0.0);
+  double work = 0;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const std::size_t a = 3 * static_cast<std::size_t>(nodes[k]);
+    work += Vec3::Map(forces_.data() + a).dot(shifts[k]);
+    Vec3::Map(state.unseen_shift.data() + a) += shifts[k];
+  }
+  state.unseen_work += work;
+  state.ledger.coupling_loss += work;
+}
+
 void Simulation::guard_motion(State& state, double dt) {
-  if (!guard_) return;
+  if (!guard_ && !wall_limit_) return;
   const auto start = Clock::now();
   const std::size_t leaflet_size = 3 * static_cast<std::size_t>(structure_->leaflet_nodes());
   // Far-flung nodes make the search as long as the box. Such a step is left to failure(), also where stopping nodes would have brought it within the limit:
   // half the step does the same with less.
   if (outside_ > 0 || !(largest_motion(state, leaflet_size) < largest_move * motion_scale())) return;
-  guard_->apply(std::span<const double>(x_before_.data(), leaflet_size), std::span<double>(state.x.data(), leaflet_size));
-  const auto moved = guard_->moved();
-  if (fluid_) {
-    // The blood does not see it: the work of the forces on it leaves the budget, as that of all unseen motion.
-    if (state.relax_steps.empty() && !drainage_) state.unseen_shift.assign(moved.empty() ? 0 : state.x.size(), 0.0), state.unseen_work = 0;
-    double work = 0;
-    for (std::size_t k = 0; k < moved.size(); ++k) {
-      const std::size_t a = 3 * static_cast<std::size_t>(moved[k]);
-      work += Vec3::Map(forces_.data() + a).dot(guard_->shifts()[k]);
-      Vec3::Map(state.unseen_shift.data() + a) += guard_->shifts()[k];
-    }
-    state.unseen_work += work;
-    state.ledger.coupling_loss += work;
-  } else {
-    double lost = 0;
-    for (std::size_t k = 0; k < moved.size(); ++k) {
-      const std::size_t node = static_cast<std::size_t>(moved[k]);
-      Eigen::Map<Vec3> v(state.v.data() + 3 * node);
-      const Vec3 after = v + guard_->shifts()[k] / dt;
-      lost += 0.5 * structure_->masses()[node] * (v.squaredNorm() - after.squaredNorm());
-      v = after;
-    }
-    state.ledger.damping_loss += lost;
+  const std::span<double> leaflets(state.x.data(), leaflet_size);
+  if (wall_limit_) {
+    wall_limit_->apply(leaflets);
+    add_unseen(state, wall_limit_->moved(), wall_limit_->shifts());
+  }
+  if (guard_) {
+    guard_->apply(std::span<const double>(x_before_.data(), leaflet_size), leaflets);
+    if (fluid_) add_unseen(state, guard_->moved(), guard_->shifts());
+    else state.ledger.damping_loss += slow_down(state, dt);
   }
   times_.contact += seconds_since(start);
+}
+
+double Simulation::slow_down(State& state, double dt) const {
+  double lost = 0;
+  for (std::size_t k = 0; k < guard_->moved().size(); ++k) {
+    const std::size_t node = static_cast<std::size_t>(guard_->moved()[k]);
+    Eigen::Map<Vec3> v(state.v.data() + 3 * node);
+    const Vec3 after = v + guard_->shifts()[k] / dt;
+    lost += 0.5 * structure_->masses()[node] * (v.squaredNorm() - after.squaredNorm());
+    v = after;
+  }
+  return lost;
 }
 
 double Simulation::work_on(const std::vector<double>& shift) const {
@@ -376,7 +394,7 @@ std::string Simulation::failure(State& state, int outside) const {
   if (outside > 0) return fmt::format("{} leaflet points left the fluid box", outside);
   if (!structure_->solid().statistics().is_finite) return "the tissue's energy is not finite";
   if (const SolidStatistics& solid = structure_->solid().statistics();
-      static_cast<double>(solid.inverted) > inverted_share_allowed * static_cast<double>(structure_->solid().element_count())) {
+      static_cast<double>(solid.inverted) > std::max(inverted_always_allowed, inverted_share_allowed * static_cast<double>(structure_->solid().element_count()))) {
     const auto element = static_cast<std::size_t>(solid.J_min_element);
     const auto node = static_cast<std::size_t>(scene_.mesh.tets[element][0]);
     const Vec2 uv = scene_.mesh.unfolded[node];

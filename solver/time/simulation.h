@@ -14,6 +14,7 @@
 #include "solver/contact/crossing_guard.h"
 #include "solver/coupling/coupling.h"
 #include "solver/coupling/film_drainage.h"
+#include "solver/coupling/wall_limit.h"
 #include "solver/time/scene.h"
 #include "solver/time/stable_step.h"
 #include "solver/time/structure.h"
@@ -68,11 +69,15 @@ class Simulation {
   void move_annulus(State& state, double dt);
   /// Books what relaxation and slip, which the blood does not feel, take from the budget.
   void book_unseen_motion(State& state);
+  /// Takes what the guard stopped from the velocities of nodes that move on their own mass; returns the energy (J) lost.
+  double slow_down(State& state, double dt) const;
   double work_on(const std::vector<double>& shift) const;
   /// Largest component of the motion of this step (m) over the first `count` coordinates; NaN when one of them is.
   double largest_motion(const State& state, std::size_t count) const;
-  /// Takes from the step what would make leaflets pass through each other, and books its loss.
+  /// Takes from the step what would carry leaflets through the tube's wall or through each other, and books its loss.
   void guard_motion(State& state, double dt);
+  /// Adds motion that the blood does not see to this step's, with the work of the forces on it.
+  void add_unseen(State& state, std::span<const int> nodes, std::span<const Eigen::Vector3d> shifts);
   double choose_step(State& state, double stop_time, std::string& limiter);
   /// Why the step just made cannot stand, or empty; notes the largest velocity of a node.
   std::string failure(State& state, int outside) const;
@@ -86,6 +91,7 @@ class Simulation {
   std::optional<FilmDrainage> drainage_;
   std::optional<StableStep> stable_step_;
   std::optional<CrossingGuard> guard_;   // with contact
+  std::optional<WallLimit> wall_limit_;  // with blood in a tube
   FaceField force_density_;
   std::vector<double> forces_;
   std::vector<double> x_before_;
