@@ -48,25 +48,32 @@ class Watch {
   double late_leak(const State& state) const { return late_time_ >= 0 && state.time > late_time_ ? (passed(state) - late_volume_) / (state.time - late_time_) : 0.0; }
 
   void put_beats(CaseOutcome& outcome) const {
-    if (late_beats_.count == 0 || early_beats_.count == 0) return;
-    double sum = 0;
+    if (late_beats_.count < 2 || early_beats_.count < 2) return;
+    double sum = 0, scatter = 0;
     for (std::size_t a = 0; a < early_beats_.x.size(); ++a) {
       const double moved = late_beats_.x[a] / late_beats_.count - early_beats_.x[a] / early_beats_.count;
       sum += moved * moved;
+      scatter += variance(early_beats_.x[a], early_beats_.x2[a], early_beats_.count) + variance(late_beats_.x[a], late_beats_.x2[a], late_beats_.count);
     }
-    outcome.beat_drift_mm = 1e3 * std::sqrt(3.0 * sum / static_cast<double>(early_beats_.x.size()));
+    const double nodes = static_cast<double>(early_beats_.x.size()) / 3.0;
+    outcome.beat_drift_mm = 1e3 * std::sqrt(sum / nodes);
+    outcome.beat_scatter_mm = 1e3 * std::sqrt(0.5 * scatter / nodes);
     outcome.beat_volume_ml = 1e6 * early_beats_.volume / early_beats_.count;
     outcome.beat_volume_drift_ml = 1e6 * (late_beats_.volume / late_beats_.count - early_beats_.volume / early_beats_.count);
+    outcome.beat_volume_scatter_ml =
+        1e6 * std::sqrt(0.5 * (variance(early_beats_.volume, early_beats_.volume2, early_beats_.count) + variance(late_beats_.volume, late_beats_.volume2, late_beats_.count)));
+    outcome.beats_averaged = std::min(early_beats_.count, late_beats_.count);
   }
 
-  double volume_drift = 0, peak_velocity = 0, pressure_peak = 0;
+  double volume_drift = 0, peak_velocity = 0, pressure_peak = 0, chordae_energy = 0;
 
  private:
   struct Beats {
-    std::vector<double> x;   // summed positions
-    double volume = 0;       // summed backward volumes
+    std::vector<double> x, x2;        // summed positions and their squares
+    double volume = 0, volume2 = 0;   // summed backward volumes and their squares
     int count = 0;
   };
+  static double variance(double sum, double squares, int count) { return std::max(0.0, squares - sum * sum / count) / (count - 1); }
 
   static double passed(const State& state) { return state.volume_backward - state.volume_swept; }
 
@@ -82,8 +89,10 @@ class Watch {
                                                                                       : nullptr;
     if (!beats) return;
     beats->x.resize(state.x.size(), 0.0);
-    for (std::size_t a = 0; a < state.x.size(); ++a) beats->x[a] += state.x[a];
+    beats->x2.resize(state.x.size(), 0.0);
+    for (std::size_t a = 0; a < state.x.size(); ++a) beats->x[a] += state.x[a], beats->x2[a] += state.x[a] * state.x[a];
     beats->volume += volume;
+    beats->volume2 += volume * volume;
     ++beats->count;
   }
 
@@ -136,6 +145,8 @@ void put_state(CaseOutcome& outcome, Simulation& simulation, const State& state,
   outcome.late_leak_ml_s = 1e6 * watch.late_leak(state);
   if (const ChordaeTension* chordae = simulation.structure().chordae())
     for (const auto& pull : chordae->papillary_forces()) outcome.papillary_force_N += pull.norm();
+  outcome.chordae_energy_J = watch.chordae_energy;
+  outcome.tissue_volume_mm3 = 1e9 * simulation.structure().reference_volume();
   watch.put_beats(outcome);
 }
 
@@ -169,6 +180,7 @@ CaseOutcome run_stability_case(const StabilityCase& stability_case, const std::f
     const double next = std::min(static_cast<double>(look + 1) * watch_every, stability_case.end);
     try {
       ++limiters[simulation->step(state, next)];
+      watch.chordae_energy = std::max(watch.chordae_energy, state.chordae_energy);
     } catch (const TrustError& error) {
       outcome.end = CaseEnd::stopped;
       outcome.reason = error.what();

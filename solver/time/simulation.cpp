@@ -37,7 +37,8 @@ constexpr int cap_steps = 500;            // how long the smaller step lasts aft
 // An inverted element is pushed back by the continued law and distortion control; a step fails when they become more than a few.
 constexpr double inverted_share_allowed = 2e-4, inverted_always_allowed = 4;  // on a coarse mesh the share is less than one element
 constexpr double largest_move = 0.25;     // of the fluid spacing (or the mesh spacing) in one step
-constexpr double move_share = 0.6;        // of largest_move that the next step may make at the last step's largest velocity
+constexpr double move_share = 0.6;        // of largest_move that the next step may make at the last step's largest velocity ...
+constexpr double contact_move_share = 0.5;   // ... and of the depth that contact sees, beyond which it gives up
 
 double swept_volume_of(const std::vector<std::array<int, 3>>& faces, const std::vector<double>& x0, const std::vector<double>& x1) {
   // Mean of the area vectors times the mean displacement: exact to third order in the tiny motion of one step.
@@ -171,7 +172,9 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
     dt = state.flow_step;
     limiter = "flow";
   }
-  if (const double most = move_share * largest_move * motion_scale(); state.fastest * dt > most) {
+  double most = move_share * largest_move * motion_scale();
+  if (structure_->contact()) most = std::min(most, contact_move_share * structure_->contact()->options().penetration_limit);
+  if (state.fastest * dt > most) {
     dt = most / state.fastest;
     limiter = "motion";
   }

@@ -131,6 +131,24 @@ TEST(StabilityVerdict, each_behaviour_has_its_physics) {
   o.beat_volume_drift_ml = 0;
   o.beat_drift_mm = 0.6;
   EXPECT_EQ(verdict_of(c, o), Verdict::unstable);
+  // Two means of ten beats that differ by 1 mm each differ by 0.45 mm by chance; twice that is allowed on top.
+  o.beats_averaged = 10;
+  o.beat_scatter_mm = 1;
+  o.beat_drift_mm = 1.38;
+  EXPECT_EQ(verdict_of(c, o), Verdict::stable);
+  o.beat_drift_mm = 1.42;
+  EXPECT_EQ(verdict_of(c, o), Verdict::unstable);
+}
+
+TEST(StabilityOutcome, chordae_that_were_torn_may_hurl_the_leaflets_and_no_more) {
+  mv::StabilityCase c;
+  c.behaviour = mv::Behaviour::rests;
+  mv::CaseOutcome o = closed();
+  o.chordae_energy_J = 0.5, o.tissue_volume_mm3 = 1500;   // 17.7 m/s; the jet of 120 mmHg has 5.5 m/s
+  o.peak_velocity_m_s = 36;
+  EXPECT_EQ(verdict_of(c, o), Verdict::stable);
+  o.peak_velocity_m_s = 38;
+  EXPECT_EQ(verdict_of(c, o), Verdict::unstable);
 }
 
 TEST(StabilityOutcome, survives_its_file) {
