@@ -39,7 +39,7 @@ struct CaseOutcome {
   double closing_volume_ml = 0, backward_volume_ml = 0, late_leak_ml_s = 0;   // the latter net of the leaflets, over the last fifth of the run
   double papillary_force_N = 0;
   double chordae_energy_J = 0, tissue_volume_mm3 = 0;   // largest energy that the chordae held
-  // Cases that beat: means over the last ten beats against those of beats 6 to 15.
+  // Cases that beat: means over the last ten beats against those of beats 46 to 55, when the valve has settled.
   double beat_drift_mm = 0;           // root mean square over the points in mid-hold
   double beat_volume_ml = 0, beat_volume_drift_ml = 0;   // backward volume a beat, and its change
   double beat_scatter_mm = 0, beat_volume_scatter_ml = 0;   // root mean square difference of a beat from the mean of its ten

@@ -18,7 +18,8 @@ namespace {
 
 constexpr double watch_every = 0.5e-3;     // s, simulated, between two looks at the run
 constexpr double late_share = 0.2;         // of the run, over which the late leak is the mean
-constexpr int beats_averaged = 10, beats_settling = 5;
+// The coarse valve takes some 25 beats to settle: until then its mean shape moves by 0.7 mm, without a trend afterwards (film of blood, means of ten beats).
+constexpr int beats_averaged = 10, beats_settling = 45;
 
 /// Of this process: what a case costs must not depend on what else the machine does.
 double processor_seconds() {

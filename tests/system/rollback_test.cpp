@@ -83,14 +83,15 @@ TEST_F(Rollback, a_step_beyond_the_stable_one_is_halved_until_the_run_is_stable)
   const double volume = state.volume_backward;
   state = simulation->initial_state();
   advance_to(0.25 * end);
-  // From here on, between two estimates, the solver takes the valve for infinitely soft: steps grow beyond the stable one until they fail.
+  // From here on, until that has failed twice, the solver takes the valve for infinitely soft and forgets how fast nodes and blood are: steps grow beyond the stable one.
   while (state.time < end - 1e-12) {
     simulation->step(state, end);
+    if (state.rollbacks >= 2) continue;
     state.frequency = 0;
-    state.dt = 0;   // nor does the last step limit the next
+    state.dt = 0, state.fastest = 0, state.flow_step = 1;
   }
   std::printf("%ld rollbacks; backward volume: undisturbed %.4f ml, halved %.4f ml\n", state.rollbacks, 1e6 * volume, 1e6 * state.volume_backward);
-  EXPECT_GE(state.rollbacks, 1);
+  EXPECT_GE(state.rollbacks, 2);
   EXPECT_LE(state.rollbacks_in_a_row, 8);
   EXPECT_TRUE(std::isfinite(state.volume_backward));
   EXPECT_LT(simulation->energy_residual(state), 0.05);
