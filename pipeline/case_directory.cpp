@@ -110,7 +110,7 @@ Config read_case_config(const std::filesystem::path& case_directory) {
     throw IoError(case_directory.string() + " is no case: it has no case.toml; make one with `mvprep run -c config.toml -o " +
                   case_directory.string() + "`");
   }
-  return Config::from_file(file);
+  return Config::from_case_file(file);
 }
 
 StageDirectory::StageDirectory(const std::filesystem::path& case_directory, const std::string& stage)

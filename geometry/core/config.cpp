@@ -223,6 +223,16 @@ Config Config::from_file(const std::filesystem::path& file) {
   return config;
 }
 
+Config Config::from_case_file(const std::filesystem::path& file) {
+  Config config = from_file(file);
+  const std::string text = "\n" + read_file(file);
+  for (const char* part : {"\nformat_version", "\n[provenance]"})
+    if (text.find(part) == std::string::npos)
+      throw ConfigError(file.string() + ": incomplete: " + (part + 1) + " is missing, which mvprep writes " + (part[1] == 'f' ? "first" : "last") +
+                        "; copy the case again, or make it again with mvprep run");
+  return config;
+}
+
 Config Config::from_string(std::string_view text, const std::string& origin) {
   Config config;
   toml::table table;

@@ -55,6 +55,9 @@ class Config {
   /// strings. Throws ConfigError (file, line, key, value, expected; the nearest known key for an unknown one), IoError when
   /// unreadable.
   static Config from_file(const std::filesystem::path& file);
+  /// A case's case.toml, which mvprep writes with every value, format_version first and [provenance] last. Throws ConfigError where either is missing: what was cut off
+  /// or emptied would be read as defaults.
+  static Config from_case_file(const std::filesystem::path& file);
   /// Besides the schema's keys the file may hold format_version and a table [provenance], which are what case.toml adds.
   static Config from_string(std::string_view toml, const std::string& origin);
 

@@ -15,7 +15,7 @@ Scene load_scene(const std::filesystem::path& directory, const std::vector<std::
     throw IoError(fmt::format("{}: no such case directory; make one with 'mvprep run -c config.toml -o {}'", directory.string(), directory.string()));
   Scene scene;
   scene.directory = directory;
-  scene.config = Config::from_file(directory / "case.toml");
+  scene.config = Config::from_case_file(directory / "case.toml");
   for (const std::string& setting : settings) scene.config.set(setting);
   scene.mesh = read_leaflets(directory / "leaflets.vtu");
   scene.annulus = read_annulus(directory / "annulus.vtp");
@@ -28,6 +28,8 @@ Scene load_scene(const std::filesystem::path& directory, const std::vector<std::
   } else if (const Json& passed = json_at(read_json(quality), "passed"); passed.is_boolean() && !passed.get<bool>()) {
     throw InputError(fmt::format("{}: the case failed its gates; see there which, mend the configuration and run mvprep again", quality.string()));
   }
+  // The report shows it: a damaged one must be known before the run, not after it.
+  if (const auto manifest = directory / "manifest.json"; std::filesystem::exists(manifest)) read_json(manifest);
   const int points = static_cast<int>(scene.mesh.points.size());
   for (const Insertion& i : scene.chordae.insertions)
     if (i.node < 0 || i.node >= points)

@@ -357,7 +357,7 @@ void Simulation::add_unseen(State& state, std::span<const int> nodes, std::span<
 
 void Simulation::guard_motion(State& state, double dt) {
   if (!guard_ && !wall_limit_) return;
-  const auto start = Clock::now();
+  auto start = Clock::now();
   const std::size_t leaflet_size = 3 * static_cast<std::size_t>(structure_->leaflet_nodes());
   // Far-flung nodes make the search as long as the box. Such a step is left to failure(), also where stopping nodes would have brought it within the limit:
   // half the step does the same with less.
@@ -366,12 +366,13 @@ void Simulation::guard_motion(State& state, double dt) {
   if (wall_limit_) {
     wall_limit_->apply(leaflets);
     add_unseen(state, wall_limit_->moved(), wall_limit_->shifts());
+    times_.coupling += seconds_since(start);
+    start = Clock::now();
   }
-  if (guard_) {
-    guard_->apply(std::span<const double>(x_before_.data(), leaflet_size), leaflets);
-    if (fluid_) add_unseen(state, guard_->moved(), guard_->shifts());
-    else state.ledger.damping_loss += slow_down(state, dt);
-  }
+  if (!guard_) return;
+  guard_->apply(std::span<const double>(x_before_.data(), leaflet_size), leaflets);
+  if (fluid_) add_unseen(state, guard_->moved(), guard_->shifts());
+  else state.ledger.damping_loss += slow_down(state, dt);
   times_.contact += seconds_since(start);
 }
 

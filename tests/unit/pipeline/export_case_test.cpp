@@ -36,7 +36,7 @@ void expect_turned(const double* got, const mv::Vec3& was) {
 TEST(ExportCase, lps_turns_points_and_vectors_about_the_third_axis_and_nothing_else) {
   const TemporaryDirectory dir;
   std::filesystem::create_directories(dir / "case");
-  mv::write_text_atomically(dir / "case/case.toml", mv::Config().to_toml());
+  mv::write_text_atomically(dir / "case/case.toml", "format_version = 1\n" + mv::Config().to_toml() + "\n[provenance]\n");
   const mv::LeafletMesh mesh = mv_test::sample_leaflets(1);
   const mv::Tube tube = mv_test::sample_tube();
   mv::write_leaflets(dir / "case/leaflets.vtu", mesh);
