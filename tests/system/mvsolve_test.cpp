@@ -211,6 +211,22 @@ TEST(Mvsolve, every_failure_has_its_exit_code_and_names_its_cause) {
   EXPECT_NE(o.err.find("leaflets.vtu"), std::string::npos);
   fs::remove(damaged / "leaflets.vtu");
   EXPECT_EQ(run("mvsolve", {"run", damaged.string(), "-o", (scratch() / "x").string()}).code, 7);
+
+  // Cut off between two lines, case.toml is valid TOML still, and would be read as defaults.
+  const std::string toml = mv::read_file(coarse_case() / "case.toml");
+  for (const std::string& part : {std::string(), toml.substr(0, toml.find("[leaflet]"))}) {
+    std::ofstream(damaged / "case.toml", std::ios::binary) << part;
+    o = run("mvsolve", {"run", damaged.string(), "-o", (scratch() / "x").string()});
+    EXPECT_EQ(o.code, 3);
+    EXPECT_NE(o.err.find("case.toml: incomplete"), std::string::npos) << o.err;
+  }
+  fs::remove_all(damaged);
+  fs::copy(coarse_case(), damaged, fs::copy_options::recursive);
+  std::ofstream(damaged / "manifest.json", std::ios::binary) << "{";
+  o = run("mvsolve", {"run", damaged.string(), "-o", (scratch() / "early").string()});
+  EXPECT_EQ(o.code, 4);
+  EXPECT_NE(o.err.find("manifest.json"), std::string::npos) << o.err;
+  EXPECT_FALSE(fs::exists(scratch() / "early" / "series.csv"));   // known before the run
 }
 
 TEST(Mvsolve, a_full_disk_ends_with_code_7_and_leaves_nothing_half_written) {
