@@ -98,9 +98,9 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)), waveform_(Wavefo
                         std::span<const double>(structure_->rest_positions().data(), 3 * static_cast<std::size_t>(structure_->leaflet_nodes())),
                         structure_->is_fixed(), grid, options);
     }
-    stable_step_.emplace(unknowns, &fluid_->grid());
+    stable_step_.emplace(&fluid_->grid());
   } else {
-    stable_step_.emplace(unknowns, nullptr);
+    stable_step_.emplace(nullptr);
   }
 }
 

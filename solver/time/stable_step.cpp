@@ -2,6 +2,7 @@
 #include "solver/time/stable_step.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -61,7 +62,7 @@ RitzPair largest_on(std::span<const Direction* const> basis) {
 }
 }  // namespace
 
-StableStep::StableStep(std::size_t unknowns, const FluidGrid* grid) : stiff_(unknowns), moved_(unknowns) {
+StableStep::StableStep(const FluidGrid* grid) {
   if (grid) scratch_ = FaceField(*grid);
 }
 

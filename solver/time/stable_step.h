@@ -2,8 +2,9 @@
 #pragma once
 
 // The stable step from the current tangent. A step is semi-implicit Euler, u += dt B F(x), x += dt u, with the mobility B: stable for
-// dt < 2 / omega, omega^2 the largest eigenvalue of B K. Found by power iteration from the last mode, so that a few products follow the
-// tangent as fibres stiffen; the share of tissue, chordae and contact in v.K.v names what limits the step. The mobility includes the pressure's
+// dt < 2 / omega, omega^2 the largest eigenvalue of B K. Found from the last mode by locally optimal conjugate gradients (Knyazev 2001,
+// SIAM J. Sci. Comput. 23:517) in the energy's inner product, so that a few products follow the tangent as fibres stiffen; where the energy is not
+// positive (buckling), a step of the plain power iteration stands in. Approached from below. The share of tissue, chordae and contact in v.K.v names what limits the step. The mobility includes the pressure's
 // reply, so that the tissue's volumetric stiffness, which cannot move an incompressible blood, does not count.
 
 #include "solver/coupling/coupling.h"
@@ -13,7 +14,8 @@ namespace mv {
 
 class StableStep {
  public:
-  StableStep(std::size_t unknowns, const FluidGrid* grid);
+  /// `grid`: of the blood; null without.
+  explicit StableStep(const FluidGrid* grid);
 
   /// Improves state.mode_shape by at least `iterations` products, until its frequency settles, and sets state.frequency (rad/s) and state.stiffest_part.
   void update(State& state, Structure& structure, const Coupling* coupling, NavierStokes* fluid, int iterations);
@@ -23,7 +25,6 @@ class StableStep {
   void look_at_stiff_nodes(State& state);
 
  private:
-  std::vector<double> stiff_, moved_;
   std::vector<double> probe_;
   FaceField scratch_;
 };

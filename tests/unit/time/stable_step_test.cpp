@@ -42,7 +42,7 @@ TEST(StableStep, finds_the_stiffest_mode_from_nothing_and_follows_it_when_it_mov
   Simulation simulation(soft_sheet());
   State state = simulation.initial_state();
   Structure& structure = simulation.structure();
-  StableStep estimate(state.x.size(), nullptr);
+  StableStep estimate(nullptr);
   estimate.update(state, structure, nullptr, nullptr, 3);
   const double at_rest = frequency_by_force(structure, state.x);
   std::printf("at rest: %.5g of %.5g rad/s\n", state.frequency, at_rest);
@@ -67,7 +67,7 @@ TEST(StableStep, nothing_is_estimated_when_nothing_can_move) {
   std::fill(scene.mesh.on_annulus.begin(), scene.mesh.on_annulus.end(), 1);
   Simulation simulation(std::move(scene));
   State state = simulation.initial_state();
-  StableStep estimate(state.x.size(), nullptr);
+  StableStep estimate(nullptr);
   estimate.update(state, simulation.structure(), nullptr, nullptr, 3);
   EXPECT_FALSE(state.frequency > 0);
 }
