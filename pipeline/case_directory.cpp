@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/case_directory.h"
 
+#include <toml++/toml.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 
 #include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
@@ -111,6 +113,29 @@ Config read_case_config(const std::filesystem::path& case_directory) {
                   case_directory.string() + "`");
   }
   return Config::from_case_file(file);
+}
+
+std::string with_sources(std::string text, const std::filesystem::path& case_directory) {
+  std::vector<std::pair<std::string, std::string>> sources;  // KEY, or KEY.NUMBER for a list, and what the user's configuration says
+  try {
+    const toml::table table = toml::parse_file((case_directory / "case.toml").string());
+    if (const toml::table* inputs = table["provenance"]["inputs"].as_table())
+      for (const auto& [label, input] : *inputs)
+        if (const auto source = input.at_path("source").value<std::string>(); source && !source->empty()) sources.emplace_back(label.str(), *source);
+  } catch (const toml::parse_error&) {
+    return text;  // whoever reads the case says so
+  }
+  std::stable_sort(sources.begin(), sources.end(), [](const auto& a, const auto& b) { return a.first.size() > b.first.size(); });  // KEY.10 before KEY.1
+  const auto is_word = [&](std::size_t i) { return i < text.size() && std::isalnum(static_cast<unsigned char>(text[i])) != 0; };
+  for (const auto& [label, source] : sources) {
+    const std::string copy = (std::filesystem::absolute(case_directory) / "inputs" / label).string();
+    for (std::size_t begin = 0; (begin = text.find(copy, begin)) != std::string::npos; begin += source.size()) {
+      std::size_t end = begin + copy.size();  // its ending goes with it
+      while (is_word(end) || (end < text.size() && text[end] == '.' && is_word(end + 1))) ++end;
+      text.replace(begin, end - begin, source);
+    }
+  }
+  return text;
 }
 
 StageDirectory::StageDirectory(const std::filesystem::path& case_directory, const std::string& stage)

@@ -25,6 +25,9 @@ Config set_up_case(const Config& config, const std::filesystem::path& origin, co
 /// case.toml of an existing case. Throws IoError when there is none, naming the command that makes one.
 Config read_case_config(const std::filesystem::path& case_directory);
 
+/// The text of a message with the user's files named in place of their copies in the case's inputs/.
+std::string with_sources(std::string text, const std::filesystem::path& case_directory);
+
 /// A directory inside the case for one stage's files. publish() renames them into the case; what was not published disappears
 /// with the object.
 class StageDirectory {

@@ -66,8 +66,12 @@ Config coarse_config(const LayoutOptions& options) {
   Config config = Config::from_file(options.config);
   for (const std::string& setting : options.settings) config.set(setting);
   const double fluid = parse_quantity(options.fluid_spacing, Dimension::length, "--fluid"), end = parse_quantity(options.time_end, Dimension::time, "--time");
+  // Solid points as much nearer than half a fluid cell as the user's own case has them, for the same reason (faces of thick or bent leaflets are longer).
+  const double coarser = fluid / config.number("tube.spacing");
+  const long layers = config.integer("mesh.layers");
   config.set("tube.spacing=" + options.fluid_spacing);
-  config.set(fmt::format("mesh.spacing={} mm", 0.5 * fluid / unit_factor("mm")));
+  config.set(fmt::format("mesh.spacing={} mm", std::min(0.5 * fluid, coarser * config.number("mesh.spacing")) / unit_factor("mm")));
+  config.set(fmt::format("mesh.layers={}", std::max(std::min(layers, 2L), std::lround(static_cast<double>(layers) / coarser))));
   if (config.number("time.end") > end) config.set("time.end=" + options.time_end);
   config.set(fmt::format("output.frames_every={} s", config.number("time.end")));
   config.set(fmt::format("output.fluid_every={} s", config.number("time.end")));

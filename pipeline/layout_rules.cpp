@@ -14,6 +14,9 @@ namespace {
 
 constexpr double least_change = 0.05;  // mm
 constexpr double place_grid = 4.0;     // mm of border: changes nearer than this count as the same
+// A segmented valve is half open and at rest in no state of the living one: its closed border may lie nearer to the papillary muscle than where it was
+// segmented. A chorda may therefore start stretched by up to this share.
+constexpr double stretch_most = 0.15;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -136,7 +139,9 @@ std::vector<LayoutChange> propose_changes(const LeafletMesh& mesh, const Leaflet
     if (!a.segments.empty() && !p.segments.empty()) out.push_back(change);
   };
   const auto addition = [&](const Flank& side, const std::string& why) {
-    if (side.has_border && side.nearest > 0.5 * rules.far) out.push_back({LayoutChange::add, side.leaflet, {}, 0, side.arc, why});
+    const LayoutChange change{LayoutChange::add, side.leaflet, {}, 0, side.arc, why};
+    const bool is_new = std::none_of(out.begin(), out.end(), [&](const LayoutChange& c) { return c.name() == change.name(); });
+    if (is_new && side.has_border && side.nearest > 0.5 * rules.far) out.push_back(change);
   };
   const double difference = a.depth - p.depth;
   if (a.has_border && p.has_border && std::abs(difference) > rules.level_difference) {
@@ -173,7 +178,7 @@ bool change_lengths(Chordae& chordae, const LayoutChange& change) {
     ChordaSegment& segment = chordae.segments[at(s)];
     const double initial = (chordae.points[at(segment.a)] - chordae.points[at(segment.b)]).norm();
     const double wanted = segment.rest_length + (change.action == LayoutChange::shorten ? -change.amount : change.amount);
-    const double length = std::max(wanted, std::min(initial, segment.rest_length));
+    const double length = std::max(wanted, std::min(initial / (1 + stretch_most), segment.rest_length));
     has_changed |= std::abs(length - segment.rest_length) > least_change;
     segment.rest_length = length;
   }

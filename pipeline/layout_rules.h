@@ -57,7 +57,7 @@ struct LayoutRules {
 std::vector<LayoutChange> propose_changes(const LeafletMesh& mesh, const LeafletChart& chart, const Annulus& annulus, const Chordae& chordae, const LayoutObservation& seen,
                                           const LayoutHole& hole, const LayoutRules& rules = {});
 
-/// Changes lengths (not `add`). No chorda becomes shorter than it is at the start. Returns false when nothing could change.
+/// Changes lengths (not `add`). No chorda starts stretched by more than 15 %. Returns false when nothing could change.
 bool change_lengths(Chordae& chordae, const LayoutChange& change);
 
 }  // namespace mv

@@ -48,6 +48,12 @@ void execute(const Stage& stage, const Config& config, const std::filesystem::pa
   } catch (const GateError&) {
     if (std::filesystem::exists(work.path() / quality_file)) work.publish({quality_file});  // the verdict is the result
     throw;
+  } catch (const InputError& e) {
+    throw InputError(with_sources(e.what(), case_directory));
+  } catch (const IoError& e) {
+    throw IoError(with_sources(e.what(), case_directory));
+  } catch (const ConfigError& e) {
+    throw ConfigError(with_sources(e.what(), case_directory));
   }
   record.outputs = work.publish(stage.outputs);
   forget_completions(stage, manifest);

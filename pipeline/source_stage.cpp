@@ -4,6 +4,7 @@
 #include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
+#include "pipeline/case_directory.h"
 #include "pipeline/curves_source.h"
 #include "pipeline/deck_source.h"
 #include "pipeline/generic_source.h"
@@ -33,7 +34,7 @@ SourceGeometry make_source(const Config& config) {
 
 std::string run_source_stage(const StageContext& context) {
   const SourceGeometry source = make_source(context.config);
-  for (const std::string& note : source.notes) spdlog::warn("source: {}", note);
+  for (const std::string& note : source.notes) spdlog::warn("source: {}", with_sources(note, context.case_directory));
   write_source(context.out("mid_surface.vtp"), source);
   write_papillary(context.out("papillary.vtp"), source.papillary);
   nlohmann::ordered_json json;

@@ -174,7 +174,10 @@ std::vector<Vec3> smooth_closed_curve(const std::vector<Vec3>& ordered, int harm
     for (const Vec3& p : ordered) {
       const double d = (curve.at(curve.closest(p)) - p).norm();
       report->smoothing_rms += d * d / static_cast<double>(ordered.size());
-      report->smoothing_max = std::max(report->smoothing_max, d);
+      if (d > report->smoothing_max) {
+        report->smoothing_max = d;
+        report->smoothing_max_at = p;
+      }
     }
     report->smoothing_rms = std::sqrt(report->smoothing_rms);
   }

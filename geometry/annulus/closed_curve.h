@@ -17,6 +17,7 @@ struct CurveReport {
   int harmonics = 0;           // Fourier harmonics kept by smoothing; 0 = not smoothed
   double smoothing_rms = 0;    // mm, measured points against the smoothed curve
   double smoothing_max = 0;    // mm
+  Vec3 smoothing_max_at = Vec3::Zero();  // measured point where
 };
 
 /// Removes duplicates and out-and-back spikes from an ordered closed curve; the order is kept, the last point is not repeated.

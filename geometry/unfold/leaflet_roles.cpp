@@ -261,9 +261,9 @@ Commissures find_commissures(const Outline& o, const std::vector<double>& given,
     int decision = votes.sum;
     if (decision == 0) decision = votes.hint != 0 ? votes.hint : votes.papillary != 0 ? votes.papillary : votes.height;
     if (decision == 0)
-      throw InputError(
-          "leaflets: nothing tells the anterior from the posterior leaflet (equal length and share of the annulus); give labels, "
-          "patient.papillary or patient.anterior_point");
+      throw InputError(fmt::format("leaflets: nothing tells the anterior from the posterior leaflet (equal length and share of the annulus{}); give labels, {}",
+                                   evidence.hint ? "; the anterior point lies in line with the two commissures" : "",
+                                   evidence.hint ? "or patient.commissures if those found are wrong" : "patient.papillary or patient.anterior_point"));
     swap = decision < 0;
     c.rule += "; anterior by " + votes.text + (swap ? " its neighbour" : "");
   }

@@ -23,6 +23,7 @@ namespace {
 /// A leaflet border further than this from the annulus curve, over more than this share of it, is torn off.
 constexpr double torn_distance = 4, torn_share = 0.08;  // mm, of the perimeter
 /// Natural notches of the free edge: minima by this share of the largest height.
+constexpr double annulus_step = 0.75;  // mm by which smoothing may move it without a word
 constexpr double notch_prominence = 0.1;
 constexpr int outline_bins = 360;
 constexpr double outline_smoothing = 2.5;  // mm, along u
@@ -126,6 +127,10 @@ AnnulusFound find_annulus(const Ring& ring, const RawLeaflets& raw, const Leafle
   if (hang.dot(found.annulus.normal) < -1)
     notes.push_back(fmt::format("the free edge lies {:.1f} mm on the atrial side of the annulus, by the rule '{}': prolapse, or the wrong side",
                                 -hang.dot(found.annulus.normal), found.normal_rule));
+  if (report.smoothing_max > annulus_step)
+    notes.push_back(fmt::format("the annulus has a step or corner near ({:.1f}, {:.1f}, {:.1f}) mm, which smoothing moved by {:.1f} mm: is a piece of a leaflet missing there? "
+                                "patient.annulus_harmonics = 0 keeps the border as it is, patient.annulus replaces it",
+                                report.smoothing_max_at.x(), report.smoothing_max_at.y(), report.smoothing_max_at.z(), report.smoothing_max));
   found.moved_rms = report.smoothing_rms;
   found.moved_max = report.smoothing_max;
   return found;

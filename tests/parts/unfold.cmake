@@ -1,3 +1,7 @@
 if(TARGET mv_unfold)
   mv_add_test(unit_unfold SOURCES unit/unfold/leaflet_surface_test.cpp unit/unfold/leaflet_roles_test.cpp unit/unfold/thickness_limit_test.cpp LIBRARIES mv_unfold mv_chordae_geometry)
 endif()
+if(TARGET mvprep)
+  mv_add_test(system_surface SOURCES system/broken_surfaces_test.cpp LIBRARIES mv_core LABEL system)
+  add_dependencies(system_surface mvprep)
+endif()

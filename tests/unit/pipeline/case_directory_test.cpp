@@ -36,6 +36,24 @@ TEST(CaseDirectory, the_case_is_self_contained_and_reads_back_to_the_same_values
     EXPECT_NE(text.find(part), std::string::npos) << part;
 }
 
+TEST(CaseDirectory, messages_name_the_users_files_not_the_copies) {
+  const TemporaryDirectory dir;
+  std::filesystem::create_directory(dir / "slices");
+  mv::write_text_atomically(dir / "slices/s1.png", "1");
+  mv::write_text_atomically(dir / "my ring.csv", "1");
+  for (int i = 1; i <= 11; ++i) mv::write_text_atomically(dir / ("muscle" + std::to_string(i) + ".obj"), "1");
+  std::string list;
+  for (int i = 1; i <= 11; ++i) list += (i > 1 ? ", " : "") + std::string("\"muscle") + std::to_string(i) + ".obj\"";
+  mv::write_text_atomically(dir / "a.toml", "[generic]\nannulus = \"my ring.csv\"\n[curves]\nslices = \"slices\"\n[surface]\npapillary = [" + list + "]\n");
+  std::map<std::string, std::string> inputs;
+  mv::set_up_case(mv::Config::from_file(dir / "a.toml"), dir / "a.toml", dir / "case", inputs);
+  const std::string at = (dir / "case/inputs/").string();
+  EXPECT_EQ(mv::with_sources(at + "generic.annulus.csv: line 3. Look at " + at + "surface.papillary.1.obj, " + at + "surface.papillary.11.obj", dir / "case"),
+            "my ring.csv: line 3. Look at muscle1.obj, muscle11.obj");
+  EXPECT_EQ(mv::with_sources(at + "curves.slices/s1.png", dir / "case"), "slices/s1.png");
+  EXPECT_EQ(mv::with_sources("nothing named", dir / "case"), "nothing named");
+}
+
 TEST(CaseDirectory, set_up_again_from_its_own_case_toml_changes_no_value) {
   const TemporaryDirectory dir;
   mv::write_text_atomically(dir / "ring.csv", "1");
