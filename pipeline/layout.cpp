@@ -40,6 +40,9 @@ namespace fs = std::filesystem;
 
 constexpr double hole_memory = 8.0;  // mm: a hole of the next trial nearer than this is the same hole
 constexpr double progress = 0.05;    // share by which a hole must shrink for a change to stay
+constexpr const char* coarse_dihedral = "5 deg";  // of the trials' tetrahedra: long edges across thick leaflets are slender where these bend
+constexpr int finer_meshes = 3;      // tried when the coarse one does not pass its gates
+constexpr double finer = 0.85;       // each by this
 
 int run_program(const fs::path& program, const std::vector<std::string>& arguments, const fs::path& log) {
   posix_spawn_file_actions_t actions;
@@ -72,6 +75,7 @@ Config coarse_config(const LayoutOptions& options) {
   config.set("tube.spacing=" + options.fluid_spacing);
   config.set(fmt::format("mesh.spacing={} mm", std::min(0.5 * fluid, coarser * config.number("mesh.spacing")) / unit_factor("mm")));
   config.set(fmt::format("mesh.layers={}", std::max(std::min(layers, 2L), std::lround(static_cast<double>(layers) / coarser))));
+  if (config.number("gates.min_dihedral") > parse_quantity(coarse_dihedral, Dimension::angle, "gates.min_dihedral")) config.set(std::string("gates.min_dihedral=") + coarse_dihedral);
   if (config.number("time.end") > end) config.set("time.end=" + options.time_end);
   config.set(fmt::format("output.frames_every={} s", config.number("time.end")));
   config.set(fmt::format("output.fluid_every={} s", config.number("time.end")));
@@ -155,6 +159,7 @@ class LayoutSearch {
 
   void run() {
     log_ = "trial,exit_code,hole_area_mm2,holes,kept,changes,places\n";
+    find_mesh();
     Trial first = close(1, std::nullopt);
     note(first, true, {});
     best_ = first;
@@ -180,9 +185,8 @@ class LayoutSearch {
     if (network) use_file(config, fs::absolute(*network));
     const fs::path directory = directory_of(number), case_directory = directory / "case", results = directory / "results";
     fs::create_directories(directory);
-    Manifest manifest = read_manifest(case_directory);
-    const Config resolved = set_up_case(config, options_.config, case_directory, manifest.inputs);
-    run_all_stages(resolved, case_directory, manifest, std::nullopt, [](const StageReport&) {});
+    if (number > 1 && !fs::exists(case_directory)) fs::copy(directory_of(1) / "case", case_directory, fs::copy_options::recursive);  // only the chordae are made anew
+    make_case(config, case_directory);
     fs::remove_all(results);
     Trial trial;
     trial.number = number;
@@ -192,6 +196,27 @@ class LayoutSearch {
     if (!trial.seen && number == 1)
       throw TrustError(fmt::format("{}: mvsolve ended with code {} and no verdict, see {}", case_directory.string(), trial.exit_code, (directory / "mvsolve.log").string()));
     return trial;
+  }
+
+  void make_case(const Config& config, const fs::path& case_directory) const {
+    Manifest manifest = read_manifest(case_directory);
+    const Config resolved = set_up_case(config, options_.config, case_directory, manifest.inputs);
+    run_all_stages(resolved, case_directory, manifest, std::nullopt, [](const StageReport&) {});
+  }
+
+  // The coarse mesh, finer where it does not pass its gates.
+  void find_mesh() {
+    for (int k = 0;; ++k) {
+      try {
+        make_case(coarse_, directory_of(1) / "case");
+        return;
+      } catch (const GateError& e) {
+        if (k == finer_meshes) throw;
+        const double spacing = finer * coarse_.number_in("mesh.spacing", "mm");
+        spdlog::info("the mesh of the trials does not pass its gates ({}); again with mesh.spacing = {:.3g} mm", e.what(), spacing);
+        coarse_.set(fmt::format("mesh.spacing={} mm", spacing));
+      }
+    }
   }
 
   static void use_file(Config& config, const fs::path& network) {

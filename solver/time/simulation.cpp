@@ -35,7 +35,7 @@ constexpr int snapshot_every = 200;       // steps between two states to fall ba
 constexpr int rollbacks_allowed = 8;      // in a row
 constexpr int cap_steps = 500;            // how long the smaller step lasts after a rollback
 // An inverted element is pushed back by the continued law and distortion control; a step fails when they become more than a few.
-constexpr double inverted_share_allowed = 2e-4, inverted_always_allowed = 4;  // on a coarse mesh the share is less than one element
+constexpr double inverted_share_allowed = 2e-4;
 constexpr double largest_move = 0.25;     // of the fluid spacing (or the mesh spacing) in one step
 constexpr double move_share = 0.6;        // of largest_move that the next step may make at the last step's largest velocity ...
 constexpr double contact_move_share = 0.5;   // ... and of the depth that contact sees, beyond which it gives up
@@ -398,7 +398,7 @@ std::string Simulation::failure(State& state, int outside) const {
   if (outside > 0) return fmt::format("{} leaflet points left the fluid box", outside);
   if (!structure_->solid().statistics().is_finite) return "the tissue's energy is not finite";
   if (const SolidStatistics& solid = structure_->solid().statistics();
-      static_cast<double>(solid.inverted) > std::max(inverted_always_allowed, inverted_share_allowed * static_cast<double>(structure_->solid().element_count()))) {
+      static_cast<double>(solid.inverted) > inverted_share_allowed * static_cast<double>(structure_->solid().element_count())) {
     const auto element = static_cast<std::size_t>(solid.J_min_element);
     const auto node = static_cast<std::size_t>(scene_.mesh.tets[element][0]);
     const Vec2 uv = scene_.mesh.unfolded[node];

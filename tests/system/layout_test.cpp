@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `mvprep layout` as a user runs it, on a coarse generic valve with too few chordae: trials, table, the layout as files that a configuration can use.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "geometry/core/case_files.h"
+#include "unit/core/sample_case.h"
+
+using mv_test::TemporaryDirectory;
+
+namespace {
+
+int run(const std::string& arguments, const TemporaryDirectory& dir) {
+  const int status = std::system((std::string(MV_BIN_DIR) + "/mvprep " + arguments + " > '" + (dir / "stdout").string() + "' 2> '" + (dir / "stderr").string() + "'").c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+std::string search(const std::filesystem::path& out, int trials) {
+  return "layout -c '" + std::string(MV_SOURCE_DIR) + "/configs/demo.toml' -o '" + out.string() + "' --fluid '4 mm' --time '60 ms' --target 0.5 --trials " + std::to_string(trials) +
+         " --set chordae.primary=6 --set chordae.secondary=0 --set fibers.model=none --set leaflet.anterior.law=neo_hookean --set leaflet.posterior.law=neo_hookean --set 'tube.spacing=3.9 mm' --set 'mesh.spacing=1.9 mm'";
+}
+
+struct Row {
+  int trial = 0;
+  double area = 0;
+  bool is_kept = false;
+};
+
+std::vector<Row> rows_of(const std::filesystem::path& file) {
+  std::istringstream text(mv::read_file(file));
+  std::string line;
+  std::getline(text, line);
+  EXPECT_EQ(line, "trial,exit_code,hole_area_mm2,holes,kept,changes,places");
+  std::vector<Row> rows;
+  while (std::getline(text, line)) {
+    Row row;
+    int code = 0, holes = 0, kept = 0;
+    if (std::sscanf(line.c_str(), "%d,%d,%lf,%d,%d", &row.trial, &code, &row.area, &holes, &kept) == 5) {
+      row.is_kept = kept == 1;
+      rows.push_back(row);
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+TEST(Layout, chordae_are_changed_until_the_holes_shrink_and_the_best_is_kept_as_files) {
+  const TemporaryDirectory dir;
+  const int code = run(search(dir / "search", 4), dir);
+  ASSERT_TRUE(code == 0 || code == 5) << code << "\n" << mv::read_file(dir / "stderr");
+  const std::vector<Row> rows = rows_of(dir / "search/trials.csv");
+  ASSERT_GE(rows.size(), 2u) << mv::read_file(dir / "search/trials.csv");
+  EXPECT_TRUE(rows.front().is_kept);
+  double best = rows.front().area;
+  for (const Row& row : rows) {
+    std::printf("trial %d: %.2f mm2%s\n", row.trial, row.area, row.is_kept ? ", kept" : "");
+    if (row.is_kept) {
+      EXPECT_LE(row.area, best);
+      best = row.area;
+    }
+  }
+  EXPECT_LT(best, rows.front().area) << "no change helped";
+  EXPECT_EQ(code == 0, best <= 0.5);
+
+  // The layout in a configuration of its own gives the chordae of the best trial again.
+  const std::string keys = mv::read_file(dir / "search/layout.toml");
+  std::ofstream(dir / "search/again.toml") << "[mesh]\nspacing = \"2 mm\"\n[tube]\nspacing = \"4 mm\"\n[fibers]\nmodel = \"none\"\n" << keys;
+  ASSERT_EQ(run("run -c '" + (dir / "search/again.toml").string() + "' -o '" + (dir / "again").string() + "'", dir), 0) << mv::read_file(dir / "stderr");
+}
+
+TEST(Layout, the_same_search_gives_the_same_table) {
+  const TemporaryDirectory dir;
+  run(search(dir / "a", 2), dir);
+  run(search(dir / "b", 2), dir);
+  EXPECT_EQ(mv::read_file(dir / "a/trials.csv"), mv::read_file(dir / "b/trials.csv"));
+  EXPECT_EQ(mv::read_file(dir / "a/layout.csv"), mv::read_file(dir / "b/layout.csv"));
+}
+
+TEST(Layout, what_cannot_be_searched_is_refused) {
+  const TemporaryDirectory dir;
+  EXPECT_EQ(run(search(dir / "a", 2) + " --set chordae.model=none", dir), 3);
+  EXPECT_EQ(run(search(dir / "a", 2) + " --mvsolve /nowhere/mvsolve", dir), 7);
+  EXPECT_EQ(run(search(dir / "a", 0), dir), 2);
+}
