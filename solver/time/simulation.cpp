@@ -57,6 +57,15 @@ bool is_loaded(const State& state, double growth) {
          state.contact_energy > growth * state.contact_at_estimate + contact_share * state.elastic_energy;
 }
 
+/// Blood (m3) that chordae or leaflets may stir before they close: a small share of the annulus' area times its root.
+double least_closing_volume(const Annulus& annulus) {
+  constexpr double share = 0.005;
+  const auto& p = annulus.points;
+  double twice_area = 0;  // mm2
+  for (std::size_t i = 0; i < p.size(); ++i) twice_area += annulus.normal.dot((p[i] - annulus.origin).cross(p[(i + 1) % p.size()] - annulus.origin));
+  return share * std::pow(0.5 * std::abs(twice_area) * metres_per_mm * metres_per_mm, 1.5);
+}
+
 }  // namespace
 
 Simulation::Simulation(Scene scene) : scene_(std::move(scene)), waveform_(Waveform::from_config(scene_.config, scene_.directory)) {
@@ -298,8 +307,13 @@ void Simulation::advance(State& state, double dt) {
       state.volume_at_closure_start = state.volume_backward;
     }
     if (state.closure_began && before > 0 && flow <= 0) {
-      state.closing_time = state.time;
-      state.closing_volume = state.volume_backward - state.volume_at_closure_start;
+      const double volume = state.volume_backward - state.volume_at_closure_start;
+      if (volume > least_closing_volume(scene_.annulus)) {
+        state.closing_time = state.time;
+        state.closing_volume = volume;
+      } else {
+        state.closure_began = false;
+      }
     }
   }
 }

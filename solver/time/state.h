@@ -57,7 +57,7 @@ struct State {
   double flow_rate = 0;               // m3/s
   bool closure_began = false;
   double volume_at_closure_start = 0;
-  double closing_volume = 0;          // m3, fixed when the flow first crosses zero after closure began
+  double closing_volume = 0;          // m3, fixed when the flow first crosses zero after closure began and more than stirring passed
   double closing_time = -1;           // s, -1 before
   double elastic_energy = 0, chordae_energy = 0, contact_energy = 0;  // J, at the last force evaluation
   double initial_energy = 0;          // J, at the start

@@ -1,7 +1,7 @@
 if(TARGET mv_study AND TARGET mvprep)
   mv_add_test(unit_study SOURCES unit/study/case_maker_test.cpp unit/study/stability_outcome_test.cpp LIBRARIES mv_study)
   add_dependencies(unit_study mvprep)
-  mv_add_test(system_stability SOURCES system/stability_test.cpp system/rollback_test.cpp system/tube_wall_test.cpp LIBRARIES mv_study LABEL system)
+  mv_add_test(system_stability SOURCES system/stability_test.cpp system/rollback_test.cpp system/tube_wall_test.cpp system/closing_volume_test.cpp LIBRARIES mv_study LABEL system)
   add_dependencies(system_stability mvprep)
 endif()
 if(TARGET mv_simulation)
