@@ -9,6 +9,8 @@
 #include <numbers>
 #include <queue>
 
+#include "geometry/core/side_faces.h"
+
 namespace mv {
 namespace {
 
@@ -148,15 +150,11 @@ IntrinsicSurface intrinsic_surface(const LeafletMesh& mesh, const std::vector<in
   surface.column_of_node.assign(mesh.points.size(), -1);
   LengthMesh triangles;
   std::map<std::pair<double, double>, int> column_at;  // exact (u, v): prisms copy it through the thickness
-  for (int e : elements) {
-    std::array<int, 3> t{};
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < 4; ++i)
-      if (mesh.side[at(mesh.tets[at(e)][i])] == atrial) {
-        if (count < 3) t[count] = mesh.tets[at(e)][i];
-        ++count;
-      }
-    if (count != 3) continue;
+  std::vector<char> is_here(mesh.tets.size(), 0);
+  for (int e : elements) is_here[at(e)] = 1;
+  for (const SideTriangle& triangle : side_triangles(mesh, atrial)) {
+    if (!is_here[triangle.element]) continue;
+    const std::array<int, 3>& t = triangle.nodes;
     std::array<int, 3> columns{};
     std::array<Vec3, 3> x;
     for (std::size_t i = 0; i < 3; ++i) {

@@ -24,7 +24,7 @@ GateLimits limits_of(const Config& config) {
   GateLimits limits;
   limits.dihedral_min = config.number_in("gates.min_dihedral", "deg");
   limits.dihedral_max = config.number_in("gates.max_dihedral", "deg");
-  limits.layers = static_cast<int>(config.integer("mesh.layers"));
+  limits.layers = config.text("mesh.path") == "thick" ? 0 : static_cast<int>(config.integer("mesh.layers"));
   limits.fluid_spacing = config.flag("fluid.enabled") ? config.number_in("tube.spacing", "mm") : 0;
   limits.spacing_tolerance = 2 * config.number("gates.max_spacing_ratio");
   return limits;

@@ -55,7 +55,22 @@ void add_measures(const LabelSurface& surface, const SolidMidSurface& mid, const
   measures["rule.ventricle_direction"] = marks.direction_rule;
 }
 
+LabelSurface surface_of(const Config& config, const LabelledParts& parts, const std::string& name) {
+  LabelSurfaceOptions options;
+  options.smoothing = config.number("labels.smoothing");
+  options.hole_radius = config.number("labels.hole_radius");
+  return label_surface(parts, options, name);
+}
+
 }  // namespace
+
+SolidSurface read_label_surface(const Config& config) {
+  const std::string name = config.path("labels.file").string();
+  std::vector<std::string> notes;  // the source stage has told them
+  const LabelledParts parts = label_parts(read_image(config, notes), table_of(config), {config.number("labels.island_share")}, name);
+  LabelSurface surface = surface_of(config, parts, name);
+  return {std::move(surface.points), std::move(surface.triangles), std::move(surface.region)};
+}
 
 RawLeaflets read_label_leaflets(const Config& config, nlohmann::ordered_json& measures) {
   const LabelTable table = table_of(config);
@@ -65,10 +80,7 @@ RawLeaflets read_label_leaflets(const Config& config, nlohmann::ordered_json& me
   for (const std::string& line : describe_labels(image, table)) spdlog::info("{}", line);
 
   const LabelledParts parts = label_parts(image, table, {config.number("labels.island_share")}, name);
-  LabelSurfaceOptions options;
-  options.smoothing = config.number("labels.smoothing");
-  options.hole_radius = config.number("labels.hole_radius");
-  const LabelSurface surface = label_surface(parts, options, name);
+  const LabelSurface surface = surface_of(config, parts, name);
   spdlog::info("label surface: {:.0f} mm3 (voxels {:.0f} mm3), {:.0f} mm2, {} parts, {} handles, {} iterations", surface.volume, surface.voxel_volume,
                surface.area, surface.parts, surface.handles, surface.iterations);
   const SolidMidSurface mid = mid_surface_of_solid({surface.points, surface.triangles, surface.region});

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/core/config.h"
+#include "geometry/surface/mid_surface_of_solid.h"
 #include "geometry/surface/raw_leaflets.h"
 #include "pipeline/source_file.h"
 
@@ -13,7 +14,10 @@ namespace mv {
 /// log, numbers to `measures`. Throws ConfigError, IoError, InputError, GateError naming file, label and key.
 RawLeaflets read_label_leaflets(const Config& config, nlohmann::ordered_json& measures);
 
-/// The same made into what the later stages read.
+/// The closed surface of the leaflets alone, with a region per triangle. Throws as read_label_leaflets.
+SolidSurface read_label_surface(const Config& config);
+
+/// read_label_leaflets made into what the later stages read.
 SourceGeometry make_labels_source(const Config& config);
 
 }  // namespace mv

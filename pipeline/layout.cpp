@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/layout.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 #include <vtkUnstructuredGrid.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -24,14 +19,13 @@
 #include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
+#include "geometry/core/program.h"
 #include "geometry/core/vtk_dataset.h"
 #include "pipeline/case_directory.h"
 #include "pipeline/interrupt.h"
 #include "pipeline/layout_rules.h"
 #include "pipeline/runner.h"
 #include "pipeline/source_file.h"
-
-extern char** environ;
 
 namespace mv {
 namespace {
@@ -43,26 +37,6 @@ constexpr double progress = 0.05;    // share by which a hole must shrink for a 
 constexpr const char* coarse_dihedral = "5 deg";  // of the trials' tetrahedra: long edges across thick leaflets are slender where these bend
 constexpr int finer_meshes = 3;      // tried when the coarse one does not pass its gates
 constexpr double finer = 0.85;       // each by this
-
-int run_program(const fs::path& program, const std::vector<std::string>& arguments, const fs::path& log) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  const std::string name = program.string();
-  std::vector<char*> argv{const_cast<char*>(name.c_str())};
-  for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-  argv.push_back(nullptr);
-  pid_t child = 0;
-  const int failed = posix_spawn(&child, name.c_str(), &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failed) throw IoError(fmt::format("{}: cannot be started: {}; build mvsolve beside mvprep or name it with --mvsolve", name, std::strerror(failed)));
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) throw IoError(fmt::format("{}: was lost: {}", name, std::strerror(errno)));
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
 
 /// Coarse but otherwise the user's case.
 Config coarse_config(const LayoutOptions& options) {

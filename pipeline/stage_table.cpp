@@ -21,8 +21,8 @@ const std::vector<Stage>& stage_table() {
        {"source", "generic", "labels", "curves", "surface", "deck", "patient", "mesh.spacing", "mesh.thickness", "mesh.layers", "gates.min_dihedral"}, {}, {"mid_surface.vtp", "papillary.vtp", "source.json"}, run_source_stage},
       {"annulus", "annulus plane and its direction",
        {}, {"source"}, {"annulus.vtp"}, run_annulus_stage},
-      {"mesh", "layers of tetrahedra",
-       {"mesh"}, {"source"}, {"leaflets.vtu"}, run_mesh_stage},
+      {"mesh", "tetrahedra, in layers or (mesh.path) by TetGen and gmsh",
+       {"mesh", "source.kind", "labels", "surface", "gates.min_dihedral"}, {"source"}, {"leaflets.vtu"}, run_mesh_stage},
       {"chordae", "chordae with their insertions",
        {"chordae", "deck"}, {"source", "annulus", "mesh"}, {"chordae.vtp"}, run_chordae_stage},
       {"fibers", "collagen directions",
@@ -30,7 +30,7 @@ const std::vector<Stage>& stage_table() {
       {"tube", "blood tube and fluid grid",
        {"tube"}, {"source", "annulus", "mesh"}, {"tube.vtu"}, run_tube_stage},
       {"gates", "checks of everything",
-       {"gates", "mesh.layers", "fibers", "fluid.enabled", "tube.spacing", "tube.contain_tips"}, {"source", "annulus", "mesh", "chordae", "fibers", "tube"},
+       {"gates", "mesh.layers", "mesh.path", "fibers", "fluid.enabled", "tube.spacing", "tube.contain_tips"}, {"source", "annulus", "mesh", "chordae", "fibers", "tube"},
        {"quality.json"}, run_gates_stage},
   };
   // clang-format on

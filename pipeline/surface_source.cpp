@@ -126,23 +126,41 @@ std::vector<Vec3> muscle_tips(const RawSurface& muscles, const Vec3& valve, cons
   return tips;
 }
 
-RawLeaflets read_surface_leaflets(const Config& config, nlohmann::ordered_json& measures) {
+namespace {
+
+/// The file's surface, repaired.
+RepairedSurface repaired_of(const Config& config, std::vector<int>& region, std::vector<std::string>& notes) {
   if (config.text("surface.file").empty())
     throw ConfigError("key 'surface.file' is empty: source.kind = \"surface\" needs a surface, e.g. surface.file = \"valve.stl\"");
-  const std::string name = config.path("surface.file").string();
   RawSurface file = read_surface(config.path("surface.file"), config.text("surface.unit"));
-  expect_valve_size(file, name, config.text("surface.unit"));
+  expect_valve_size(file, config.path("surface.file").string(), config.text("surface.unit"));
   to_ras(file.points, config);
-  RawLeaflets raw;
-  add_notes(raw, file.notes);
-
+  notes.insert(notes.end(), file.notes.begin(), file.notes.end());
   RepairOptions options;
   options.kind = kind_of(config);
-  const RepairedSurface surface = repair_surface(file, options);
-  for (const std::string& line : surface.report) raw.notes.push_back("repair: " + line);
-  const std::vector<int> region = regions_of(surface, file.group_names, raw.notes);
+  RepairedSurface surface = repair_surface(file, options);
+  for (const std::string& line : surface.report) notes.push_back("repair: " + line);
+  region = regions_of(surface, file.group_names, notes);
+  return surface;
+}
+
+}  // namespace
+
+SolidSurface read_thick_surface(const Config& config) {
+  std::vector<int> region;
+  std::vector<std::string> notes;  // the source stage has told them
+  RepairedSurface surface = repaired_of(config, region, notes);
+  if (surface.kind == SurfaceKind::mid)
+    throw ConfigError("key 'mesh.path' = \"thick\": " + config.path("surface.file").string() + " is a mid-surface (surface.kind); expected closed thick leaflets, or mesh.path = \"mid\"");
+  return {std::move(surface.points), std::move(surface.triangles), std::move(region)};
+}
+
+RawLeaflets read_surface_leaflets(const Config& config, nlohmann::ordered_json& measures) {
+  RawLeaflets raw;
+  std::vector<int> region;
+  const RepairedSurface surface = repaired_of(config, region, raw.notes);
   spdlog::info("surface: {} triangles, {} parts, taken as {}{}, {} pairs of triangles intersect", surface.triangles.size(), surface.parts,
-               to_string(surface.kind), options.kind == SurfaceKind::automatic ? " (auto)" : "", surface.self_intersections);
+               to_string(surface.kind), kind_of(config) == SurfaceKind::automatic ? " (auto)" : "", surface.self_intersections);
   measures["surface.kind"] = to_string(surface.kind);
   measures["surface.triangles"] = surface.triangles.size();
   measures["surface.parts"] = surface.parts;

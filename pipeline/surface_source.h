@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/core/config.h"
+#include "geometry/surface/mid_surface_of_solid.h"
 #include "geometry/surface/raw_leaflets.h"
 #include "geometry/surface/read_surface.h"
 #include "pipeline/source_file.h"
@@ -19,7 +20,10 @@ std::vector<Vec3> muscle_tips(const RawSurface& muscles, const Vec3& valve, cons
 /// Throws ConfigError, IoError, InputError naming file and key.
 RawLeaflets read_surface_leaflets(const Config& config, nlohmann::ordered_json& measures);
 
-/// The same made into what the later stages read.
+/// The repaired closed surface alone, with a region per triangle where groups name it. Throws ConfigError when the surface is a mid-surface, and what read_surface_leaflets throws.
+SolidSurface read_thick_surface(const Config& config);
+
+/// read_surface_leaflets made into what the later stages read.
 SourceGeometry make_surface_source(const Config& config);
 
 }  // namespace mv

@@ -9,6 +9,7 @@
 #include <limits>
 #include <numeric>
 
+#include "geometry/core/side_faces.h"
 #include "geometry/core/unfolded.h"
 
 namespace mv {
@@ -70,15 +71,8 @@ std::vector<BorderSite> border_sites(const LeafletChart& chart, const DensityOpt
 
 InnerArea::InnerArea(const LeafletMesh& mesh, const LeafletChart& chart, double from, double to) {
   double sum = 0;
-  for (const auto& tet : mesh.tets) {
-    std::array<int, 3> t{};
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < 4; ++i)
-      if (mesh.side[at(tet[i])] == atrial) {
-        if (count < 3) t[count] = tet[i];
-        ++count;
-      }
-    if (count != 3) continue;
+  for (const SideTriangle& triangle : side_triangles(mesh, atrial)) {
+    const std::array<int, 3>& t = triangle.nodes;
     std::array<Vec2, 3> uv;
     Vec2 middle = Vec2::Zero();
     for (std::size_t i = 0; i < 3; ++i) {

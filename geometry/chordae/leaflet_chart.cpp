@@ -8,6 +8,7 @@
 #include <string>
 
 #include "geometry/core/errors.h"
+#include "geometry/core/side_faces.h"
 #include "geometry/core/unfolded.h"
 
 namespace mv {
@@ -70,14 +71,9 @@ LeafletChart::LeafletChart(const LeafletMesh& mesh) : points_(mesh.points), unfo
 
 LeafletChart::Face LeafletChart::side_face(const LeafletMesh& mesh, int side) {
   Face face;
-  for (std::size_t e = 0; e < mesh.tets.size(); ++e) {
-    std::array<int, 4> on_side{};
-    int count = 0;
-    for (std::size_t i = 0; i < 4; ++i)
-      if (mesh.side[at_index(mesh.tets[e][i])] == side) on_side[at_index(count++)] = mesh.tets[e][i];
-    if (count != 3) continue;
-    face.triangles.push_back({on_side[0], on_side[1], on_side[2]});
-    face.regions.push_back(mesh.region[e]);
+  for (const SideTriangle& t : side_triangles(mesh, side)) {
+    face.triangles.push_back(t.nodes);
+    face.regions.push_back(mesh.region[t.element]);
   }
   return face;
 }

@@ -9,6 +9,7 @@
 
 #include "geometry/chordae/insertion.h"
 #include "geometry/core/errors.h"
+#include "geometry/core/side_faces.h"
 
 namespace mv {
 namespace {
@@ -69,21 +70,14 @@ LeafletProbe::LeafletProbe(const LeafletMesh& mesh) : points_(mesh.points) {
   if (mesh.side.size() != n || mesh.on_annulus.size() != n || mesh.on_free_edge.size() != n || mesh.region.size() != mesh.tets.size())
     throw InputError("chordae: leaflet arrays side, annulus, free_edge and region must be complete; run the mesh stage first");
   double edges = 0;
-  for (std::size_t e = 0; e < mesh.tets.size(); ++e)
-    for (int side : {static_cast<int>(atrial), static_cast<int>(ventricular)}) {
-      std::array<int, 3> t{};
-      std::size_t count = 0;
-      for (std::size_t i = 0; i < 4; ++i)
-        if (mesh.side[at(mesh.tets[e][i])] == side) {
-          if (count < 3) t[count] = mesh.tets[e][i];
-          ++count;
-        }
-      if (count != 3) continue;
-      Face& face = side == atrial ? atrial_ : ventricular_;
-      face.triangles.push_back(t);
-      face.regions.push_back(mesh.region[e]);
-      for (std::size_t i = 0; i < 3; ++i) edges += (points_[at(t[i])] - points_[at(t[(i + 1) % 3])]).norm();
+  for (int side : {static_cast<int>(atrial), static_cast<int>(ventricular)}) {
+    Face& face = side == atrial ? atrial_ : ventricular_;
+    for (const SideTriangle& t : side_triangles(mesh, side)) {
+      face.triangles.push_back(t.nodes);
+      face.regions.push_back(mesh.region[t.element]);
+      for (std::size_t i = 0; i < 3; ++i) edges += (points_[at(t.nodes[i])] - points_[at(t.nodes[(i + 1) % 3])]).norm();
     }
+  }
   if (atrial_.triangles.empty() || ventricular_.triangles.empty())
     throw InputError("chordae: the leaflet mesh has no atrial or no ventricular face (point array 'side')");
   mean_edge_ = edges / (3.0 * static_cast<double>(atrial_.triangles.size() + ventricular_.triangles.size()));

@@ -111,6 +111,7 @@ const Row rows[] = {
 
     {"mesh.spacing", "length", "0.5 mm", "0.05 mm .. 10 mm", "distance of neighbouring solid points; half the fluid spacing or less"},
     {"mesh.layers", "integer", "2", "1 .. 8", "layers of tetrahedra through the thickness"},
+    {"mesh.path", "choice mid|thick", "mid", "", "what is filled with tetrahedra: the mid-surface with its thickness, in layers; or the thick leaflets as the surface or label map has them, faces included, by TetGen and by gmsh, of which the better is kept (no layers)"},
     {"mesh.order", "integer", "1", "1 .. 2", "1 linear tetrahedra, 2 quadratic (C3D10)"},
     {"mesh.thickness", "length", "1 mm", "0.05 mm .. 10 mm", "leaflet thickness where none is measured"},
 

@@ -296,6 +296,47 @@ Gate gate_spacing(const LeafletMesh& m, double fluid_spacing, double tolerance) 
   return g;
 }
 
+double spanning_step(const std::array<Vec3, 4>& p) {
+  const auto length = [&](std::size_t i, std::size_t j) { return (p[i] - p[j]).norm(); };
+  // Prim's tree from point 0.
+  std::array<double, 4> nearest{0, length(0, 1), length(0, 2), length(0, 3)};
+  std::array<bool, 4> is_in{true, false, false, false};
+  double longest = 0;
+  for (int step = 0; step < 3; ++step) {
+    std::size_t next = 0;
+    for (std::size_t k = 1; k < 4; ++k)
+      if (!is_in[k] && (next == 0 || nearest[k] < nearest[next])) next = k;
+    is_in[next] = true;
+    longest = std::max(longest, nearest[next]);
+    for (std::size_t k = 1; k < 4; ++k)
+      if (!is_in[k]) nearest[k] = std::min(nearest[k], length(next, k));
+  }
+  return longest;
+}
+
+Gate gate_spacing_unlayered(const LeafletMesh& m, double fluid_spacing, double tolerance) {
+  Gate g{"leaflets.spacing_max", false, 0, tolerance * 0.5 * fluid_spacing, "<=", "mm", -1, ""};
+  const double share = m.order == 2 ? 0.5 : 1.0;
+  double longest = 0;
+  for (std::size_t e = 0; e < m.tets.size(); ++e) {
+    const auto length = [&](std::size_t i, std::size_t j) { return share * (m.points[at(m.tets[e][i])] - m.points[at(m.tets[e][j])]).norm(); };
+    for (const auto& [i, j] : tet_edges) longest = std::max(longest, length(i, j));
+    const double step = share * spanning_step({m.points[at(m.tets[e][0])], m.points[at(m.tets[e][1])], m.points[at(m.tets[e][2])], m.points[at(m.tets[e][3])]});
+    if (step > g.value) {
+      g.value = step;
+      g.worst_element = static_cast<long>(e);
+    }
+  }
+  if (m.tets.empty()) {
+    g.message = "the mesh has no elements";
+    return g;
+  }
+  g.passed = g.value <= g.limit * (1 + 1e-9);
+  g.message = fmt::format("the corners of every element are joined by steps of at most {:.4f} mm (longest edge {:.4f}) against half the fluid spacing of {:.4f} mm", g.value, longest, fluid_spacing);
+  if (!g.passed) g.message += "; worst " + place(m, g.worst_element) + "; lower mesh.spacing";
+  return g;
+}
+
 Gate gate_fibres(const LeafletMesh& m) {
   Gate g{"leaflets.fibre_defect", false, 0, 1e-6, "<=", "", -1, ""};
   if (m.fibre.size() != m.tets.size() || m.sheet_normal.size() != m.tets.size()) {
@@ -382,8 +423,10 @@ std::vector<Gate> gate_insertions(const LeafletMesh& m, const Chordae& c) {
 GateReport check_leaflets(const LeafletMesh& m, const GateLimits& limits) {
   GateReport r;
   r.gates = {gate_boundary(m), gate_volumes(m), gate_dihedral_min(m, limits.dihedral_min),
-             gate_dihedral_max(m, limits.dihedral_max), gate_layers(m, limits.layers)};
-  if (limits.fluid_spacing > 0) r.gates.push_back(gate_spacing(m, limits.fluid_spacing, limits.spacing_tolerance));
+             gate_dihedral_max(m, limits.dihedral_max)};
+  const bool has_layers = limits.layers > 0;
+  if (has_layers) r.gates.push_back(gate_layers(m, limits.layers));
+  if (limits.fluid_spacing > 0) r.gates.push_back(has_layers ? gate_spacing(m, limits.fluid_spacing, limits.spacing_tolerance) : gate_spacing_unlayered(m, limits.fluid_spacing, limits.spacing_tolerance));
   r.gates.push_back(gate_fibres(m));
   return r;
 }

@@ -44,7 +44,7 @@ std::vector<std::array<int, 3>> boundary_facets(const BoundarySurface& boundary)
 struct GateLimits {
   double dihedral_min = 10;   // degrees
   double dihedral_max = 170;  // degrees
-  int layers = 2;
+  int layers = 2;             // 0: a mesh without layers: leaves the layers gate out, and the spacing gate takes gate_spacing_unlayered
   double fluid_spacing = 0;        // mm; 0 leaves the spacing gate out
   double spacing_tolerance = 1.0;  // gate: longest structural edge <= tolerance * fluid_spacing / 2
 };
@@ -62,6 +62,11 @@ Gate gate_layers(const LeafletMesh& mesh, int layers);
 /// ends have nearer neighbours). Order 2 halves the edges. Value: the longest; the message adds the 99.9th percentile and the
 /// longest edge of all.
 Gate gate_spacing(const LeafletMesh& mesh, double fluid_spacing, double tolerance);
+/// For any tetrahedra: the corners of every element are joined by steps no longer than the value (the longest edge of each element's shortest spanning tree, the largest of all). Same
+/// name and limit. Order 2 halves the edges.
+Gate gate_spacing_unlayered(const LeafletMesh& mesh, double fluid_spacing, double tolerance);
+/// Longest edge of the shortest spanning tree of four points.
+double spanning_step(const std::array<Vec3, 4>& points);
 /// |fibre| = 1 and |sheet_normal| = 1 within 1e-9, finite, |fibre . sheet_normal| <= 1e-6.
 Gate gate_fibres(const LeafletMesh& mesh);
 /// Weights of each leaflet end positive and summing to one within 1e-9; nodes in range and from both faces (side +1 and -1).
