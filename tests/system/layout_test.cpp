@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// `mvprep layout` as a user runs it, on a coarse generic valve with too few chordae: trials, table, the layout as files that a configuration can use.
+// `mvprep layout` as a user runs it, on a coarse generic valve with slack chordae: trials, table, the layout as files that a configuration can use.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -21,7 +21,7 @@ int run(const std::string& arguments, const TemporaryDirectory& dir) {
 
 std::string search(const std::filesystem::path& out, int trials) {
   return "layout -c '" + std::string(MV_SOURCE_DIR) + "/configs/demo.toml' -o '" + out.string() + "' --fluid '4 mm' --time '60 ms' --target 0.5 --trials " + std::to_string(trials) +
-         " --set chordae.primary=6 --set chordae.secondary=0 --set fibers.model=none --set leaflet.anterior.law=neo_hookean --set leaflet.posterior.law=neo_hookean --set 'tube.spacing=3.9 mm' --set 'mesh.spacing=1.9 mm'";
+         " --set chordae.slack=1.3 --set fibers.model=none --set leaflet.anterior.law=neo_hookean --set leaflet.posterior.law=neo_hookean --set 'contact.threshold=1.5 mm'";
 }
 
 struct Row {
@@ -51,7 +51,7 @@ std::vector<Row> rows_of(const std::filesystem::path& file) {
 
 TEST(Layout, chordae_are_changed_until_the_holes_shrink_and_the_best_is_kept_as_files) {
   const TemporaryDirectory dir;
-  const int code = run(search(dir / "search", 4), dir);
+  const int code = run(search(dir / "search", 2), dir);
   ASSERT_TRUE(code == 0 || code == 5) << code << "\n" << mv::read_file(dir / "stderr");
   const std::vector<Row> rows = rows_of(dir / "search/trials.csv");
   ASSERT_GE(rows.size(), 2u) << mv::read_file(dir / "search/trials.csv");
@@ -67,18 +67,15 @@ TEST(Layout, chordae_are_changed_until_the_holes_shrink_and_the_best_is_kept_as_
   EXPECT_LT(best, rows.front().area) << "no change helped";
   EXPECT_EQ(code == 0, best <= 0.5);
 
+  // The same search gives the same rows.
+  run(search(dir / "again", 1), dir);
+  const std::string all = mv::read_file(dir / "search/trials.csv"), one = mv::read_file(dir / "again/trials.csv");
+  EXPECT_EQ(all.substr(0, one.size()), one);
+
   // The layout in a configuration of its own gives the chordae of the best trial again.
   const std::string keys = mv::read_file(dir / "search/layout.toml");
   std::ofstream(dir / "search/again.toml") << "[mesh]\nspacing = \"2 mm\"\n[tube]\nspacing = \"4 mm\"\n[fibers]\nmodel = \"none\"\n" << keys;
-  ASSERT_EQ(run("run -c '" + (dir / "search/again.toml").string() + "' -o '" + (dir / "again").string() + "'", dir), 0) << mv::read_file(dir / "stderr");
-}
-
-TEST(Layout, the_same_search_gives_the_same_table) {
-  const TemporaryDirectory dir;
-  run(search(dir / "a", 2), dir);
-  run(search(dir / "b", 2), dir);
-  EXPECT_EQ(mv::read_file(dir / "a/trials.csv"), mv::read_file(dir / "b/trials.csv"));
-  EXPECT_EQ(mv::read_file(dir / "a/layout.csv"), mv::read_file(dir / "b/layout.csv"));
+  ASSERT_EQ(run("run -c '" + (dir / "search/again.toml").string() + "' -o '" + (dir / "case").string() + "'", dir), 0) << mv::read_file(dir / "stderr");
 }
 
 TEST(Layout, what_cannot_be_searched_is_refused) {
