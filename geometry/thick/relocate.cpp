@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "geometry/volume/gates.h"
@@ -10,7 +11,7 @@
 namespace mv {
 namespace {
 
-constexpr int rounds = 8;
+constexpr int rounds = 8, split_rounds = 6;
 
 std::size_t at(long i) { return static_cast<std::size_t>(i); }
 
@@ -80,6 +81,50 @@ long relocate_points(TetFill& f, const std::vector<char>& is_held, double wanted
     if (!has_improved) break;
   }
   return left;
+}
+
+long split_long_steps(TetFill& f, std::size_t surface_points, const std::vector<std::array<int, 3>>& surface, double longest) {
+  using Edge = std::pair<int, int>;
+  std::set<Edge> outer;
+  for (const auto& t : surface)
+    for (std::size_t k = 0; k < 3; ++k) outer.insert(std::minmax(t[k], t[(k + 1) % 3]));
+  const auto is_inner = [&](const Edge& e) { return at(e.second) >= surface_points || outer.count(e) == 0; };
+  const auto length = [&](const Edge& e) { return (f.points[at(e.first)] - f.points[at(e.second)]).norm(); };
+  long added = 0;
+  for (int round = 0; round < split_rounds; ++round) {
+    std::set<Edge> chosen;
+    for (const auto& t : f.tets) {
+      if (spanning_step({f.points[at(t[0])], f.points[at(t[1])], f.points[at(t[2])], f.points[at(t[3])]}) <= longest) continue;
+      Edge best{-1, -1};
+      for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = i + 1; j < 4; ++j)
+          if (const Edge e = std::minmax(t[i], t[j]); is_inner(e) && (best.first < 0 || length(e) > length(best))) best = e;
+      if (best.first >= 0) chosen.insert(best);
+    }
+    if (chosen.empty()) break;
+    // Edges of one tetrahedron are split in different rounds.
+    std::map<Edge, std::vector<std::size_t>> around;
+    for (std::size_t e = 0; e < f.tets.size(); ++e)
+      for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = i + 1; j < 4; ++j)
+          if (const Edge edge = std::minmax(f.tets[e][i], f.tets[e][j]); chosen.count(edge)) around[edge].push_back(e);
+    std::vector<char> is_split(f.tets.size(), 0);
+    for (const Edge& edge : chosen) {
+      const auto& tets = around[edge];
+      if (std::any_of(tets.begin(), tets.end(), [&](std::size_t e) { return is_split[e] != 0; })) continue;
+      const int point = static_cast<int>(f.points.size());
+      f.points.push_back(0.5 * (f.points[at(edge.first)] + f.points[at(edge.second)]));
+      ++added;
+      for (const std::size_t e : tets) {
+        is_split[e] = 1;
+        std::array<int, 4> other = f.tets[e];
+        std::replace(f.tets[e].begin(), f.tets[e].end(), edge.first, point);
+        std::replace(other.begin(), other.end(), edge.second, point);
+        f.tets.push_back(other);
+      }
+    }
+  }
+  return added;
 }
 
 }  // namespace mv

@@ -11,4 +11,8 @@ namespace mv {
 /// how many are left below `wanted`.
 long relocate_points(TetFill& fill, const std::vector<char>& is_held, double wanted);
 
+/// Puts a point into the middle of the longest inner edge of every tetrahedron whose corners are joined by a step (spanning_step) longer than `longest` (mm), until there is none or none of
+/// its edges is inside. `surface_points`: the first points, which lie on the surface. Returns how many points were added.
+long split_long_steps(TetFill& fill, std::size_t surface_points, const std::vector<std::array<int, 3>>& surface, double longest);
+
 }  // namespace mv

@@ -144,6 +144,7 @@ LeafletMesh fill_leaflets(const MidSurface& surface, const SolidSurface& measure
     for (const double share : volume_shares) {
       try {
         TetFill fill = fill_surface(mesher, boundary.points, boundary.triangles, share * volume, o.seconds);
+        split_long_steps(fill, boundary.points.size(), boundary.triangles, long_step * o.spacing);
         relocate_points(fill, boundary.on_annulus, o.dihedral_limit + angle_reserve);
         const TetTrial trial = judge(mesher, fill, o.dihedral_limit, long_step * o.spacing);
         is_any_installed = true;

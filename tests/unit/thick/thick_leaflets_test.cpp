@@ -170,6 +170,46 @@ TEST(Relocate, a_sliver_beside_an_inner_point_is_opened) {
   EXPECT_EQ(std::vector<Vec3>(fill.points.begin(), fill.points.begin() + 6), before) << "points of the surface moved though an inner one could";
 }
 
+TEST(Relocate, long_steps_are_split_inside_and_the_surface_is_kept) {
+  mv::TetFill fill;  // two tetrahedra on either side of a triangle, tops 4 mm away
+  fill.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 4}, {0.3, 0.3, -4}};
+  fill.tets = {{0, 1, 2, 3}, {0, 2, 1, 4}};
+  const std::vector<std::array<int, 3>> surface{{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {1, 0, 4}, {2, 1, 4}, {0, 2, 4}};
+  EXPECT_EQ(mv::split_long_steps(fill, 5, surface, 1.5), 0) << "every edge is on the surface";
+  // A point in the middle of the lower triangle gives the upper tetrahedron inner edges.
+  fill.points = {{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {0, 0, 3}, {0.5, 0.5, 0.5}};
+  fill.tets = {{0, 1, 2, 4}, {0, 3, 1, 4}, {0, 2, 3, 4}, {1, 3, 2, 4}};
+  const std::vector<std::array<int, 3>> faces{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  for (auto& t : fill.tets) {
+    const Vec3 a = fill.points[at(t[0])];
+    if ((fill.points[at(t[1])] - a).cross(fill.points[at(t[2])] - a).dot(fill.points[at(t[3])] - a) < 0) std::swap(t[0], t[1]);
+  }
+  const std::size_t points = fill.points.size();
+  const long added = mv::split_long_steps(fill, 4, faces, 2.0);
+  EXPECT_GT(added, 0);
+  EXPECT_EQ(fill.points.size(), points + static_cast<std::size_t>(added));
+  std::map<std::array<int, 3>, int> uses;  // a conforming mesh: every face once or twice, and once only on the surface
+  for (const auto& t : fill.tets)
+    for (std::array<int, 3> f : {std::array{t[0], t[1], t[2]}, std::array{t[0], t[1], t[3]}, std::array{t[0], t[2], t[3]}, std::array{t[1], t[2], t[3]}}) {
+      std::sort(f.begin(), f.end());
+      ++uses[f];
+    }
+  long outer = 0;
+  for (const auto& [face, count] : uses) {
+    EXPECT_LE(count, 2);
+    outer += count == 1;
+  }
+  EXPECT_EQ(outer, 4);
+  double sum = 0;
+  for (const auto& t : fill.tets) {
+    const Vec3 a = fill.points[at(t[0])];
+    const double v = (fill.points[at(t[1])] - a).cross(fill.points[at(t[2])] - a).dot(fill.points[at(t[3])] - a) / 6;
+    EXPECT_GT(v, 0);
+    sum += v;
+  }
+  EXPECT_NEAR(sum, 4.5, 1e-12);
+}
+
 TEST(Spacing, of_an_element_is_the_longest_step_between_its_corners) {
   EXPECT_DOUBLE_EQ(mv::spanning_step({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}), 1.0);
   EXPECT_DOUBLE_EQ(mv::spanning_step({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0.5, 0), Vec3(5, 0.5, 0)}), 3.0);
