@@ -67,7 +67,7 @@ std::string stability_page(const std::vector<StabilityRow>& rows, double seconds
   out += "<title>mvsolve stability</title>\n<style>" + std::string(assets::style_css) + page_style + "</style></head><body><main>\n";
   out += "<header><h1>Stability on stiff and extreme cases</h1><span class=\"note\">mvsolve " + escape(version()) + " (" + escape(git_revision()) + ")</span></header>\n";
   out += fmt::format("<section class=\"verdict {}\"><strong class=\"word\">{}</strong>\n<p>{} cases: {} stable ({} of them with a solid volume drift above the 1 % that mvsolve run asks for), {} refused with a reason before the first step, {} neither or not as declared. ",
-                     bad == 0 ? "good" : "bad", bad == 0 ? "Every case is stable or refused" : fmt::format("{} cases failed", bad), rows.size(), counts[Verdict::stable], beyond_run,
+                     bad == 0 ? "good" : "bad", bad == 0 ? "Every case is stable or refused" : fmt::format("{} case{} failed", bad, bad == 1 ? "" : "s"), rows.size(), counts[Verdict::stable], beyond_run,
                      counts[Verdict::refused], bad);
   out += fmt::format("Largest energy residual of a stable case {} %, {} rollbacks in all, {:.0f} s with {} at a time.</p></section>\n", html::number(100 * worst_residual, 2), rollbacks,
                      seconds, jobs);
