@@ -25,7 +25,7 @@ SolidSurface measured_faces(const Config& config) {
 
 std::string told(const TetTrial& t) {
   if (!t.failure.empty()) return fmt::format("{} gives no mesh ({})", to_string(t.mesher), t.failure);
-  return fmt::format("{} {} tetrahedra, angles {:.1f} to {:.1f} deg, {} below the limit, {} with long steps", to_string(t.mesher), t.tets, t.dihedral_min, t.dihedral_max, t.below_limit, t.too_long);
+  return fmt::format("{} {} tetrahedra, angles {:.1f} to {:.1f} deg, {} below 10 deg, {} with long steps", to_string(t.mesher), t.tets, t.dihedral_min, t.dihedral_max, t.below_limit, t.too_long);
 }
 
 LeafletMesh fill(const Config& config, const SourceGeometry& source, ThickReport& report) {
@@ -33,7 +33,6 @@ LeafletMesh fill(const Config& config, const SourceGeometry& source, ThickReport
   options.spacing = config.number_in("mesh.spacing", "mm");
   options.thickness = config.number_in("mesh.thickness", "mm");
   options.layers = static_cast<int>(config.integer("mesh.layers"));
-  options.dihedral_limit = config.number_in("gates.min_dihedral", "deg");
   const LeafletMesh mesh = fill_leaflets(source.surface, measured_faces(config), options, &report);
   return config.integer("mesh.order") == 2 ? to_quadratic(mesh, source.surface.perimeter) : mesh;
 }

@@ -22,7 +22,7 @@ const std::vector<Stage>& stage_table() {
       {"annulus", "annulus plane and its direction",
        {}, {"source"}, {"annulus.vtp"}, run_annulus_stage},
       {"mesh", "tetrahedra, in layers or (mesh.path) by TetGen and gmsh",
-       {"mesh", "source.kind", "labels", "surface", "gates.min_dihedral"}, {"source"}, {"leaflets.vtu"}, run_mesh_stage},
+       {"mesh", "source.kind", "labels", "surface"}, {"source"}, {"leaflets.vtu"}, run_mesh_stage},
       {"chordae", "chordae with their insertions",
        {"chordae", "deck"}, {"source", "annulus", "mesh"}, {"chordae.vtp"}, run_chordae_stage},
       {"fibers", "collagen directions",

@@ -165,7 +165,7 @@ LeafletMesh fill_leaflets(const MidSurface& surface, const SolidSurface& measure
     if (!own->failure.empty()) failures += (failures.empty() ? "" : "; ") + own->failure;
   }
   if (!best) {
-    const std::string text = "mesh.path = \"thick\": neither TetGen nor gmsh fills the leaflets: " + failures + (is_any_installed ? "; mesh.path = \"mid\" needs neither" : "");
+    const std::string text = "mesh.path = \"thick\": neither TetGen nor gmsh fills the leaflets: " + failures + "; mesh.path = \"mid\" needs neither";
     if (is_any_installed) throw InputError(text);
     throw IoError(text);
   }

@@ -69,6 +69,27 @@ Shape funnel(double scale = 1) {
   });
 }
 
+/// Thick leaflets, closed all round: the funnel 0.8 mm outwards and inwards, joined by rims.
+Shape thick_funnel() {
+  const int around = 72, along = 24, across = 3;
+  const double half = 0.8;
+  Shape s;
+  std::vector<std::array<double, 2>> profile;  // share of the height, offset outwards
+  for (int j = 0; j < along; ++j) profile.push_back({j / (along - 1.0), -half});
+  for (int j = 1; j < across; ++j) profile.push_back({1.0, half * (2.0 * j / across - 1)});
+  for (int j = along - 1; j >= 0; --j) profile.push_back({j / (along - 1.0), half});
+  for (int j = across - 1; j > 0; --j) profile.push_back({0.0, half * (2.0 * j / across - 1)});
+  const int n = static_cast<int>(profile.size());
+  for (const auto& [v, offset] : profile)
+    for (int i = 0; i < around; ++i) {
+      const double u = static_cast<double>(i) / around;
+      s.points.emplace_back((18 - 8 * v + offset) * std::cos(2 * pi * u), (15 - 7 * v + offset) * std::sin(2 * pi * u), -14 * v * (0.75 - 0.25 * std::cos(4 * pi * u)));
+    }
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < around; ++i) s.quads.push_back({j * around + i, ((j + 1) % n) * around + i, ((j + 1) % n) * around + (i + 1) % around, j * around + (i + 1) % around});
+  return s;
+}
+
 struct Broken {
   const char* name;
   const char* file;  // its ending says the format
@@ -171,3 +192,30 @@ const Broken table[] = {
 INSTANTIATE_TEST_SUITE_P(Table, BrokenSurface, testing::ValuesIn(table), [](const auto& one) { return std::string(one.param.name); });
 
 }  // namespace
+
+TEST(ThickPath, a_closed_surface_becomes_a_case_with_its_own_faces) {
+  const TemporaryDirectory dir;
+  if (std::system("command -v tetgen >/dev/null && command -v gmsh >/dev/null") != 0) GTEST_SKIP() << "SKIPPED: tetgen or gmsh is not installed; ./dev test installs them";
+  std::ofstream(dir / "s.obj") << thick_funnel().obj();
+  std::ofstream(dir / "tips.csv") << "x_mm,y_mm,z_mm\n-10,-2,-32\n10,-2,-32\n";
+  std::ofstream(dir / "c.toml") << "[source]\nkind = \"surface\"\n[surface]\nfile = \"s.obj\"\nunit = \"mm\"\nkind = \"thick\"\n[patient]\nanterior_point = [\"0 mm\", \"30 mm\", \"0 mm\"]\npapillary = \"tips.csv\"\n"
+                                << "[mesh]\npath = \"thick\"\nspacing = \"1.2 mm\"\n[tube]\nspacing = \"4 mm\"\n";
+  const std::string command = "run -c '" + (dir / "c.toml").string() + "' -o '" + (dir / "case").string() + "'";
+  const Outcome outcome = mvprep(command, dir);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("TetGen"), std::string::npos) << "both results are told\n" << outcome.err;
+  EXPECT_NE(outcome.err.find("gmsh"), std::string::npos) << outcome.err;
+  const std::string quality = mv::read_file(dir / "case/quality.json");
+  EXPECT_EQ(quality.find("leaflets.layers"), std::string::npos) << "there are no layers to count";
+  EXPECT_NE(quality.find("leaflets.spacing_max"), std::string::npos);
+
+  // Neither program to be found, and a source without thick leaflets.
+  const std::string without = "env PATH=/nonexistent " + std::string(MV_BIN_DIR) + "/mvprep mesh '" + (dir / "case").string() + "' 2> '" + (dir / "stderr").string() + "' > /dev/null";
+  const int status = std::system(without.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 7);
+  EXPECT_NE(mv::read_file(dir / "stderr").find("in the package gmsh"), std::string::npos);
+  std::ofstream(dir / "g.toml") << "[mesh]\npath = \"thick\"\nspacing = \"1.5 mm\"\n[tube]\nspacing = \"4 mm\"\n";
+  const Outcome generic = mvprep("run -c '" + (dir / "g.toml").string() + "' -o '" + (dir / "g").string() + "'", dir);
+  EXPECT_EQ(generic.code, 3);
+  EXPECT_NE(generic.err.find("has no thick leaflets"), std::string::npos) << generic.err;
+}

@@ -229,7 +229,7 @@ TEST(Mvprep, exit_4_for_damaged_input) {
   std::ofstream(dir / "ring.csv") << "x_mm,y_mm,z_mm\n1,2,three\n";
   const auto csv = mvprep({"run", "-c", coarse_config(dir, "[generic]\nannulus = \"ring.csv\"\n"), "-o", dir / "case"}, dir);
   EXPECT_EQ(csv.code, 4) << csv.err;
-  EXPECT_TRUE(holds(csv.err, "generic.annulus.csv")) << csv.err;
+  EXPECT_TRUE(holds(csv.err, "error ring.csv: line 2")) << csv.err;
   EXPECT_TRUE(hidden_files(dir / "case").empty());
 
   ASSERT_EQ(mvprep({"run", "-c", coarse_config(dir), "-o", dir / "good"}, dir).code, 0);
