@@ -12,6 +12,7 @@ namespace mv {
 namespace {
 
 constexpr int rounds = 8, split_rounds = 6;
+constexpr double surface_share = 0.1;  // of the longest edge around it by which a point of the surface may move in all
 
 std::size_t at(long i) { return static_cast<std::size_t>(i); }
 
@@ -44,7 +45,7 @@ long relocate_points(TetFill& f, const std::vector<char>& is_held, double wanted
     for (const int e : around[p]) least = std::min(least, smallest_angle(f, f.tets[at(e)]));
     return least;
   };
-  const std::vector<Vec3> ways = directions();
+  const std::vector<Vec3> ways = directions(), surface(f.points.begin(), f.points.begin() + static_cast<std::ptrdiff_t>(first_inner));
   long left = 0;
   for (int round = 0; round < rounds; ++round) {
     std::set<std::size_t> to_move;
@@ -68,6 +69,10 @@ long relocate_points(TetFill& f, const std::vector<char>& is_held, double wanted
         for (const Vec3& way : ways) {
           const Vec3 centre = f.points[p];
           f.points[p] = centre + step * way;
+          if (p < first_inner && (f.points[p] - surface[p]).norm() > surface_share * reach) {
+            f.points[p] = centre;
+            continue;
+          }
           if (const double angle = worst_around(p); angle > best) {
             best = angle;
             place = f.points[p];

@@ -170,6 +170,20 @@ TEST(Relocate, a_sliver_beside_an_inner_point_is_opened) {
   EXPECT_EQ(std::vector<Vec3>(fill.points.begin(), fill.points.begin() + 6), before) << "points of the surface moved though an inner one could";
 }
 
+TEST(Relocate, a_point_of_the_surface_moves_only_without_an_inner_one_and_hardly) {
+  mv::TetFill fill;
+  fill.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 0.08}};  // flat: a large move of any point would help
+  fill.tets = {{0, 1, 2, 3}};
+  const std::vector<Vec3> before = fill.points;
+  const double longest = std::sqrt(2.0);
+  mv::relocate_points(fill, {1, 0, 0, 0}, 40);
+  EXPECT_EQ(fill.points[0], before[0]) << "held";
+  double moved = 0;
+  for (std::size_t i = 1; i < 4; ++i) moved = std::max(moved, (fill.points[i] - before[i]).norm());
+  EXPECT_GT(moved, 0);
+  EXPECT_LT(moved, 0.1 * longest * 1.1) << "the edges may grow a little on the way";
+}
+
 TEST(Relocate, long_steps_are_split_inside_and_the_surface_is_kept) {
   mv::TetFill fill;  // two tetrahedra on either side of a triangle, tops 4 mm away
   fill.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 4}, {0.3, 0.3, -4}};
