@@ -30,7 +30,7 @@ std::filesystem::path find_program(const std::string& name) {
   return {};
 }
 
-int run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments, const std::filesystem::path& log, double seconds) {
+pid_t start_program(const std::filesystem::path& program, const std::vector<std::string>& arguments, const std::filesystem::path& log) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
@@ -44,6 +44,12 @@ int run_program(const std::filesystem::path& program, const std::vector<std::str
   const int failed = posix_spawn(&child, name.c_str(), &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   if (failed) throw IoError(name + ": cannot be started: " + std::strerror(failed));
+  return child;
+}
+
+int run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments, const std::filesystem::path& log, double seconds) {
+  const pid_t child = start_program(program, arguments, log);
+  const std::string name = program.string();
   const auto start = std::chrono::steady_clock::now();
   bool is_killed = false;
   int status = 0;

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/study/timed_process.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 
@@ -12,8 +10,7 @@
 #include <cstring>
 
 #include "geometry/core/errors.h"
-
-extern char** environ;
+#include "geometry/core/program.h"
 
 namespace mv {
 
@@ -25,24 +22,12 @@ std::filesystem::path own_program() {
 }
 
 ProcessOutcome run_timed(const std::filesystem::path& program, const std::vector<std::string>& arguments, const std::filesystem::path& log) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  const std::string name = program.string();
-  std::vector<char*> argv{const_cast<char*>(name.c_str())};
-  for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-  argv.push_back(nullptr);
   const auto start = std::chrono::steady_clock::now();
-  pid_t child = 0;
-  const int failed = posix_spawn(&child, name.c_str(), &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failed) throw IoError(fmt::format("{}: cannot be started: {}", name, std::strerror(failed)));
+  const pid_t child = start_program(program, arguments, log);
   int status = 0;
   rusage used{};
   while (wait4(child, &status, 0, &used) < 0)
-    if (errno != EINTR) throw IoError(fmt::format("{}: was lost: {}", name, std::strerror(errno)));
+    if (errno != EINTR) throw IoError(fmt::format("{}: was lost: {}", program.string(), std::strerror(errno)));
   auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
   ProcessOutcome out;
   out.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
