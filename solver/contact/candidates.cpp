@@ -12,12 +12,16 @@
 
 #include "geometry/core/errors.h"
 #include "geometry/core/parallel.h"
+#include "solver/contact/box_grid.h"
 #include "solver/contact/node_lists.h"
 
 namespace mv {
 namespace {
 
 using Vec3 = Eigen::Vector3d;
+
+constexpr double normal_length = 2;  // mean edges (BoxTree)
+constexpr float cone_margin = 1e-4F;  // single precision
 
 Vec3 point(std::span<const double> x, int node) { return Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(node)); }
 
@@ -102,8 +106,22 @@ CandidateSearch::CandidateSearch(const ContactSurface& surface, double exclusion
   for (const Vec3& p : surface_.reference) rest_node_.push_back(p.cast<float>());
   for (const auto& t : surface_.triangles)
     rest_centre_.push_back(((surface_.reference[t[0]] + surface_.reference[t[1]] + surface_.reference[t[2]]) / 3).cast<float>());
-  start_.assign(surface_.nodes.size() + 1, 0);
   find_exceptions();
+  std::vector<Vec3> centres, normals, node_normals(surface_.nodes.size(), Vec3::Zero());
+  for (const auto& t : surface_.triangles) {
+    const Vec3 a = surface_.reference[t[0]], b = surface_.reference[t[1]], c = surface_.reference[t[2]];
+    centres.push_back((a + b + c) / 3);
+    normals.push_back((b - a).cross(c - a).stableNormalized());
+    for (int n : t) node_normals[n] += normals.back();
+  }
+  for (Vec3& n : node_normals) n.stableNormalize();
+  const double length = normal_length * surface_.mean_edge;
+  tree_ = BoxTree(centres, normals, length);
+  node_tree_ = BoxTree(surface_.reference, node_normals, length);
+  node_slot_.resize(surface_.nodes.size());
+  for (int slot = 0; slot < node_tree_.slot_count(); ++slot)
+    if (node_tree_.item(slot) >= 0) node_slot_[node_tree_.item(slot)] = slot;
+  start_.assign(static_cast<std::size_t>(node_tree_.slot_count()) + 1, 0);
 }
 
 void CandidateSearch::find_exceptions() {
@@ -186,8 +204,80 @@ CandidateSearch::View CandidateSearch::view_of(int node, double turn) const {
   return {axis.cast<float>(), static_cast<float>(std::cos(angle) + 1e-5)};
 }
 
+CandidateSearch::Group CandidateSearch::group_of(int leaf, std::span<const double> x, std::span<const View> views) const {
+  Group g{{Eigen::Array3f::Constant(std::numeric_limits<float>::infinity()), Eigen::Array3f::Constant(-std::numeric_limits<float>::infinity())}, Eigen::Vector3f::Zero(), 2, 0};
+  float largest = -1;
+  for (int lane = 0; lane < BoxTree::width; ++lane) {
+    const int n = node_tree_.item(leaf * BoxTree::width + lane);
+    if (n < 0) break;
+    const Eigen::Array3f p = point(x, surface_.nodes[n]).cast<float>().array();
+    g.box.lower = g.box.lower.min(p);
+    g.box.upper = g.box.upper.max(p);
+    g.axis += views[static_cast<std::size_t>(lane)].axis;
+    largest = std::max(largest, views[static_cast<std::size_t>(lane)].cosine);
+  }
+  if (largest > 1 || !(g.axis.squaredNorm() > 1e-6F)) return g;
+  g.axis.normalize();
+  float spread = 1;
+  for (int lane = 0; lane < BoxTree::width; ++lane)
+    if (node_tree_.item(leaf * BoxTree::width + lane) >= 0) spread = std::min(spread, g.axis.dot(views[static_cast<std::size_t>(lane)].axis));
+  const float angle = std::acos(largest) - std::acos(std::clamp(spread, -1.0F, 1.0F)) - cone_margin;
+  if (!(angle > 0)) return g;
+  g.cosine = std::cos(angle);
+  g.sine = std::sin(angle);
+  return g;
+}
+
+/// Where the triangles of each leaf are, and which way they look.
+void CandidateSearch::fit_leaves(double radius, float margin) {
+  lanes_.resize(static_cast<std::size_t>(tree_.leaf_count()));
+  cone_.resize(lanes_.size());
+  tree_.fit([&](int f) {
+    const Eigen::Array3f c = centre_[static_cast<std::size_t>(f)].cast<float>().array();
+    const float r = static_cast<float>(radius + radius_[static_cast<std::size_t>(f)]) + 2 * margin;
+    return BoxTree::Box{c - r, c + r};
+  });
+  parallel_for(
+      tree_.leaf_count(),
+      [&](std::ptrdiff_t leaf) {
+        Lanes& l = lanes_[leaf];
+        Vec3 sum = Vec3::Zero();
+        bool has_degenerate = false;
+        for (int k = 0; k < BoxTree::width; ++k) {
+          const int f = tree_.item(static_cast<int>(leaf) * BoxTree::width + k);
+          if (f < 0) {
+            l.cx[k] = l.cy[k] = l.cz[k] = l.rx[k] = l.ry[k] = l.rz[k] = l.nx[k] = l.ny[k] = l.nz[k] = 0;
+            l.reach_squared[k] = -1;
+            l.side[k] = 0;
+            continue;
+          }
+          const Eigen::Vector3f c = centre_[f].cast<float>(), n = normal_[f].cast<float>();
+          l.cx[k] = c[0], l.cy[k] = c[1], l.cz[k] = c[2];
+          l.nx[k] = n[0], l.ny[k] = n[1], l.nz[k] = n[2];
+          l.rx[k] = rest_centre_[f][0], l.ry[k] = rest_centre_[f][1], l.rz[k] = rest_centre_[f][2];
+          const float r = static_cast<float>(radius + radius_[f]) + margin;
+          l.reach_squared[k] = r * r;
+          l.side[k] = surface_.triangle_side[f];
+          sum += normal_[f];
+          has_degenerate = has_degenerate || normal_[f].isZero(0);
+        }
+        Cone& cone = cone_[leaf];
+        cone = {Eigen::Vector3f::Zero(), -2, 0};
+        if (has_degenerate || !(sum.squaredNorm() > 1e-6)) return;
+        const Vec3 axis = sum.normalized();
+        double opening = 1;
+        for (int k = 0; k < BoxTree::width; ++k) {
+          const int f = tree_.item(static_cast<int>(leaf) * BoxTree::width + k);
+          if (f >= 0) opening = std::min(opening, axis.dot(normal_[f]));
+        }
+        const double angle = std::acos(std::clamp(opening, -1.0, 1.0)) + cone_margin;
+        cone = {axis.cast<float>(), static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))};
+      },
+      64);
+}
+
 void CandidateSearch::update(std::span<const double> x, double radius, double turn) {
-  const int nodes = surface_.node_count(), triangles = surface_.triangle_count();
+  const int triangles = surface_.triangle_count();
   centre_.resize(surface_.triangles.size());
   normal_.resize(surface_.triangles.size());
   radius_.resize(surface_.triangles.size());
@@ -201,71 +291,74 @@ void CandidateSearch::update(std::span<const double> x, double radius, double tu
     normal_[f] = area > 0 ? Vec3(normal_[f] / area) : Vec3::Zero();
     radius_[f] = std::sqrt(std::max({(a - m).squaredNorm(), (b - m).squaredNorm(), (c - m).squaredNorm()}));
   });
-  Vec3 lower = centre_[0], upper = centre_[0];
-  double radius_max = 0, checksum = 0;
+  double largest = 0, checksum = 0;
   for (int f = 0; f < triangles; ++f) {
-    lower = lower.cwiseMin(centre_[f]);
-    upper = upper.cwiseMax(centre_[f]);
-    radius_max = std::max(radius_max, radius_[f]);
+    largest = std::max(largest, centre_[f].cwiseAbs().maxCoeff());
     checksum += radius_[f] + centre_[f].sum();
   }
   if (!std::isfinite(checksum)) throw TrustError("contact: positions are not finite; the run has diverged");
-  // Cells of the search distance: a node looks at 3 x 3 rows of them, long enough for vector instructions.
-  const double distance = radius + radius_max;
-  const float margin = static_cast<float>(1e-6 * (lower.norm() + upper.norm()) + 1e-4 * radius);  // single precision
-  grid_.reset(lower, upper, distance);
-  grid_.sort(triangles, [&](int f) { return grid_.cell_index(grid_.cell(centre_[f])); });
-  for (auto* array : {&cx_, &cy_, &cz_, &reach_squared_, &rx_, &ry_, &rz_, &nx_, &ny_, &nz_}) array->resize(surface_.triangles.size());
-  side_.resize(surface_.triangles.size());
-  parallel_for(triangles, [&](std::ptrdiff_t k) {
-    const int f = grid_.item(static_cast<int>(k));
-    cx_[k] = static_cast<float>(centre_[f][0]);
-    cy_[k] = static_cast<float>(centre_[f][1]);
-    cz_[k] = static_cast<float>(centre_[f][2]);
-    const float r = static_cast<float>(radius + radius_[f]) + margin;
-    reach_squared_[k] = r * r;
-    rx_[k] = rest_centre_[f][0];
-    ry_[k] = rest_centre_[f][1];
-    rz_[k] = rest_centre_[f][2];
-    nx_[k] = static_cast<float>(normal_[f][0]);
-    ny_[k] = static_cast<float>(normal_[f][1]);
-    nz_[k] = static_cast<float>(normal_[f][2]);
-    side_[k] = surface_.triangle_side[f];
-  });
+  fit_leaves(radius, static_cast<float>(2e-6 * largest + 1e-4 * radius));  // margin: single precision
 
-  const Vec3 reach = Vec3::Constant(distance + margin);
-  fill_node_lists(nodes, found_, start_, triangle_, [&](int n, std::vector<int>& list) {
-    const std::size_t before = list.size();
-    constexpr int chunk = 64;
-    std::array<int, chunk> flag;
-    const Vec3 p = point(x, surface_.nodes[n]);
-    const Eigen::Vector3f pf = p.cast<float>(), rest = rest_node_[n];
+  /// Of the eight nodes at work.
+  struct Work {
+    std::array<View, BoxTree::width> views;
+    std::vector<int> leaves;
+  };
+  fill_node_lists(node_tree_.slot_count(), found_, start_, block_, [&](int slot, std::vector<Block>& list) {
+    const int n = node_tree_.item(slot);
+    if (n < 0) return;
+    static thread_local Work work;
+    const auto lane = static_cast<std::size_t>(slot % BoxTree::width);
+    if (lane == 0) {
+      const int leaf = slot / BoxTree::width;
+      for (int k = 0; k < BoxTree::width; ++k)
+        if (node_tree_.item(slot + k) >= 0) work.views[static_cast<std::size_t>(k)] = view_of(node_tree_.item(slot + k), turn);
+      const Group group = group_of(leaf, x, work.views);
+      work.leaves.clear();
+      tree_.for_leaves(group.box, 0, [&](int other) {
+        const Cone& cone = cone_[static_cast<std::size_t>(other)];
+        // All normals of the leaf lie within the angle when the axes are closer than the difference of both angles.
+        const bool is_narrower = cone.cosine > group.cosine && group.cosine <= 1;
+        if (is_narrower && cone.axis.dot(group.axis) >= group.cosine * cone.cosine + group.sine * cone.sine) return;
+        work.leaves.push_back(other);
+      });
+    }
+    const Eigen::Vector3f p = point(x, surface_.nodes[n]).cast<float>(), rest = rest_node_[n];
+    const View& view = work.views[lane];
     const int own_side = surface_.node_side[n];
-    const View view = view_of(n, turn);
-    const int has_exceptions = exception_start_[n + 1] > exception_start_[n];
-    grid_.for_runs(grid_.cell(p - reach), grid_.cell(p + reach), [&](int first, int last) {
-      for (int base = first; base < last; base += chunk) {
-        const int count = std::min(chunk, last - base);
-        int any = 0;
-        for (int k = 0; k < count; ++k) {
-          const int j = base + k;
-          const float dx = cx_[j] - pf[0], dy = cy_[j] - pf[1], dz = cz_[j] - pf[2];
-          const float ex = rx_[j] - rest[0], ey = ry_[j] - rest[1], ez = rz_[j] - rest[2];
-          const float aligned = nx_[j] * view.axis[0] + ny_[j] * view.axis[1] + nz_[j] * view.axis[2];
-          const int near = (dx * dx + dy * dy + dz * dz <= reach_squared_[j]) & (aligned < view.cosine);
-          const int own = ex * ex + ey * ey + ez * ez < (side_[j] == own_side ? exclusion_squared_ : exclusion_squared_through_);
-          flag[k] = (near & (own ^ 1)) + 3 * (near & own & has_exceptions);  // 1: candidate, 3: only if excepted
-          any |= flag[k];
-        }
-        if (!any) continue;
-        for (int k = 0; k < count; ++k) {
-          if (flag[k] == 1 || (flag[k] == 3 && is_exception(n, grid_.item(base + k))))
-            list.push_back(grid_.item(base + k));
-        }
-      }
-    });
-    std::sort(list.begin() + static_cast<std::ptrdiff_t>(before), list.end());
+    const bool has_exceptions = exception_start_[n + 1] > exception_start_[n];
+    for (const int leaf : work.leaves) {
+      const Lanes& l = lanes_[static_cast<std::size_t>(leaf)];
+      const Floats dx = load_floats(l.cx.data()) - p[0], dy = load_floats(l.cy.data()) - p[1], dz = load_floats(l.cz.data()) - p[2];
+      const Floats aligned = load_floats(l.nx.data()) * view.axis[0] + load_floats(l.ny.data()) * view.axis[1] + load_floats(l.nz.data()) * view.axis[2];
+      const FloatMask near = (dx * dx + dy * dy + dz * dz <= load_floats(l.reach_squared.data())) & (aligned < view.cosine);
+      const unsigned in_reach = bits(near);
+      if (in_reach == 0) continue;
+      const Floats ex = load_floats(l.rx.data()) - rest[0], ey = load_floats(l.ry.data()) - rest[1], ez = load_floats(l.rz.data()) - rest[2];
+      const Floats apart = ex * ex + ey * ey + ez * ez;
+      const FloatMask same_side = load_ints(l.side.data()) == own_side;
+      const unsigned own = bits((same_side & (apart < exclusion_squared_)) | (~same_side & (apart < exclusion_squared_through_)));
+      unsigned lanes = in_reach & ~own;
+      if (has_exceptions)
+        for (unsigned rest_of = in_reach & own; rest_of != 0; rest_of &= rest_of - 1)
+          if (is_exception(n, tree_.item(leaf * BoxTree::width + __builtin_ctz(rest_of)))) lanes |= rest_of & (~rest_of + 1);
+      if (lanes != 0) list.push_back({leaf, lanes});
+    }
   });
+}
+
+std::vector<int> CandidateSearch::triangles_of(int node) const {
+  std::vector<int> list;
+  for (const Block& b : blocks_of(node))
+    for (unsigned lanes = b.lanes; lanes != 0; lanes &= lanes - 1) list.push_back(tree_.item(b.leaf * BoxTree::width + __builtin_ctz(lanes)));
+  std::sort(list.begin(), list.end());
+  return list;
+}
+
+long CandidateSearch::pair_count() const {
+  long count = 0;
+  for (const Block& b : block_) count += __builtin_popcount(b.lanes);
+  return count;
 }
 
 }  // namespace mv

@@ -7,10 +7,12 @@
 // thickness). A wider radius holds for pairs on different faces, so that a squeezed leaflet does not meet its own back face.
 
 #include <Eigen/Core>
+#include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
-#include "solver/contact/box_grid.h"
+#include "solver/contact/box_tree.h"
 #include "solver/contact/surface.h"
 
 namespace mv {
@@ -23,8 +25,8 @@ class CandidateSearch {
   /// Keeps a reference to the surface. Radii in m: for pairs on the same face, and (not smaller) for all others.
   CandidateSearch(const ContactSurface& surface, double exclusion_radius, double exclusion_radius_through);
 
-  /// Lists for every surface node all triangles closer than `radius` (m; never misses one, may list some that are further) that
-  /// are not excluded, in ascending order. `x`: 3 * solid_nodes. Throws TrustError when x is not finite. Reuses its memory.
+  /// Finds for every surface node all triangles closer than `radius` (m; never misses one, may list some that are further) that
+  /// are not excluded. `x`: 3 * solid_nodes. Throws TrustError when x is not finite. Reuses its memory.
   /// Triangles that look the same way as the node are left out, too: those that would need `turn` (length by which unit normals
   /// change) or more, both theirs and that of a triangle at the node, before the scalar product of any two of them is negative.
   void update(std::span<const double> x, double radius, double turn);
@@ -35,18 +37,34 @@ class CandidateSearch {
   /// The pair never touches (see above). Pure function of the reference configuration.
   bool is_excluded(int node, int triangle) const;
 
-  std::span<const int> triangles_of(int node) const {
-    return {triangle_.data() + start_[node], static_cast<std::size_t>(start_[node + 1] - start_[node])};
+  /// Candidates of a node in one leaf of the tree of triangles: bit l of `lanes` stands for the triangle tree().item(8 * leaf + l).
+  struct Block {
+    std::int32_t leaf;
+    std::uint32_t lanes;
+  };
+  std::span<const Block> blocks_of(int node) const {
+    const auto slot = static_cast<std::size_t>(node_slot_[static_cast<std::size_t>(node)]);
+    return {block_.data() + start_[slot], static_cast<std::size_t>(start_[slot + 1] - start_[slot])};
   }
-  int first_pair(int node) const { return start_[node]; }
-  int pair_count() const { return start_.back(); }
+  const BoxTree& tree() const { return tree_; }
+  /// The same as a list, ascending.
+  std::vector<int> triangles_of(int node) const;
+  long pair_count() const;
 
  private:
   struct View {
     Eigen::Vector3f axis;
     float cosine;
   };
+  /// What eight nodes that are neighbours have in common.
+  struct Group {
+    BoxTree::Box box;
+    Eigen::Vector3f axis;
+    float cosine, sine;  // of the angle to `axis` within which no node of the group can face a triangle; cosine 2: nothing is left out
+  };
   View view_of(int node, double turn) const;
+  Group group_of(int leaf, std::span<const double> x, std::span<const View> views) const;
+  void fit_leaves(double radius, float margin);
   void find_exceptions();
   bool is_exception(int node, int triangle) const;
   bool is_same_face(int node, int triangle) const { return surface_.node_side[static_cast<std::size_t>(node)] == surface_.triangle_side[static_cast<std::size_t>(triangle)]; }
@@ -57,14 +75,26 @@ class CandidateSearch {
   // Rest positions in single precision: the exclusion rule must give the same answer wherever it is asked.
   std::vector<Eigen::Vector3f> rest_node_, rest_centre_;
   std::vector<int> exception_start_, exception_;  // per node: triangles within the radius that may touch nevertheless
-  std::vector<int> start_, triangle_;             // result, per node
+  BoxTree tree_, node_tree_;                      // of the triangles, of the nodes
+  std::vector<int> node_slot_;                    // per node: its slot of node_tree_
+  std::vector<int> start_;                        // result, per slot of node_tree_
+  std::vector<Block> block_;
   // Scratch of update().
-  BoxGrid grid_;
+  /// The triangles of a leaf.
+  struct alignas(32) Lanes {
+    std::array<float, BoxTree::width> cx, cy, cz, reach_squared, rx, ry, rz, nx, ny, nz;
+    std::array<std::int32_t, BoxTree::width> side;
+  };
+  /// A cone around their normals.
+  struct Cone {
+    Eigen::Vector3f axis;
+    float cosine, sine;  // of its half angle; cosine -2: some triangle has no normal
+  };
   std::vector<Eigen::Vector3d> centre_, normal_;
   std::vector<double> radius_;
-  std::vector<float> cx_, cy_, cz_, reach_squared_, rx_, ry_, rz_, nx_, ny_, nz_;  // by grid position
-  std::vector<int> side_;                                           // by grid position
-  std::vector<std::vector<int>> found_;                             // per piece of nodes
+  std::vector<Lanes> lanes_;                // per leaf
+  std::vector<Cone> cone_;                  // per leaf
+  std::vector<std::vector<Block>> found_;   // per piece of nodes
 };
 
 }  // namespace mv

@@ -16,13 +16,16 @@ using Vec3 = Eigen::Vector3d;
 
 constexpr int shells = 64;
 constexpr double flat_cosine = 0.70710678118654752;
+constexpr double height_room = 1.001;  // over the radius
+constexpr double normal_length = 2;  // mean edges (BoxTree)
 
 Vec3 point(std::span<const double> x, int node) { return Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(node)); }
 
 }  // namespace
 
-ClosePairs::ClosePairs(int vertices, std::span<const std::array<int, 3>> triangles)
+ClosePairs::ClosePairs(std::span<const double> rest, std::span<const std::array<int, 3>> triangles)
     : triangles_(triangles.begin(), triangles.end()), owned_(triangles.size()), shell_start_(shells + 1, 0) {
+  const int vertices = static_cast<int>(rest.size() / 3);
   std::vector<char> is_owned(static_cast<std::size_t>(vertices), 0);
   std::map<std::array<int, 2>, int> known;
   for (std::size_t f = 0; f < triangles_.size(); ++f) {
@@ -48,28 +51,36 @@ ClosePairs::ClosePairs(int vertices, std::span<const std::array<int, 3>> triangl
   for (std::size_t f = 0; f < triangles_.size(); ++f)
     for (int v : triangles_[f]) star_[static_cast<std::size_t>(next[static_cast<std::size_t>(v)]++)] = static_cast<int>(f);
   is_flat_.assign(static_cast<std::size_t>(vertices), 0);
+  std::vector<Vec3> centres, normals;
+  for (const auto& t : triangles_) {
+    const Vec3 a = point(rest, t[0]), b = point(rest, t[1]), c = point(rest, t[2]);
+    centres.push_back((a + b + c) / 3);
+    normals.push_back((b - a).cross(c - a).stableNormalized());
+  }
+  tree_ = BoxTree(centres, normals, normal_length * longest_edge(rest));
 }
 
 void ClosePairs::find_flat_vertices(std::span<const double> x) {
   normal_.resize(triangles_.size());
-  is_low_.resize(triangles_.size());
+  height_.resize(triangles_.size());
   parallel_for(static_cast<std::ptrdiff_t>(triangles_.size()), [&](std::ptrdiff_t f) {
     const auto& t = triangles_[f];
     const Vec3 a = point(x, t[0]), b = point(x, t[1]), c = point(x, t[2]);
     normal_[f] = (b - a).cross(c - a);
     const double area2 = normal_[f].norm(), longest = std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
-    is_low_[f] = !(area2 >= 2 * radius_ * longest);
+    height_[f] = area2 > 0 ? area2 / longest : 0;
     if (area2 > 0) normal_[f] /= area2;
   });
   parallel_for(static_cast<std::ptrdiff_t>(used_.size()), [&](std::ptrdiff_t k) {
     const auto v = static_cast<std::size_t>(used_[static_cast<std::size_t>(k)]);
     Vec3 axis = Vec3::Zero();
     for (int s = star_start_[v]; s < star_start_[v + 1]; ++s) axis += normal_[static_cast<std::size_t>(star_[s])];
-    const double least = flat_cosine * axis.norm();
+    const double length = axis.norm();
     bool is_flat = true;
     for (int s = star_start_[v]; s < star_start_[v + 1]; ++s) {
       const auto f = static_cast<std::size_t>(star_[s]);
-      is_flat = is_flat && !is_low_[f] && normal_[f].dot(axis) > least;
+      const double along = normal_[f].dot(axis);  // times length: cosine, by which the height shrinks at most when seen along the axis
+      is_flat = is_flat && along > flat_cosine * length && height_[f] * along > height_room * radius_ * length;
     }
     is_flat_[v] = is_flat;
   });
@@ -136,57 +147,37 @@ void ClosePairs::update(std::span<const double> x, double radius) {
     centre_[f] = (a + b + c) / 3;
     box_[f] = {a.cwiseMin(b).cwiseMin(c).cast<float>().array(), a.cwiseMax(b).cwiseMax(c).cast<float>().array()};
   });
-  Vec3 lower = centre_[0], upper = centre_[0];
-  double size = 0, checksum = 0;  // size: largest distance from a centroid to a side of the box
+  double largest = 0, checksum = 0;
   for (int f = 0; f < count; ++f) {
-    lower = lower.cwiseMin(centre_[f]);
-    upper = upper.cwiseMax(centre_[f]);
-    const Eigen::Array3d c = centre_[f].array();
-    size = std::max({size, (box_[f].upper.cast<double>() - c).maxCoeff(), (c - box_[f].lower.cast<double>()).maxCoeff()});
+    largest = std::max(largest, centre_[f].cwiseAbs().maxCoeff());
     checksum += centre_[f].sum();
   }
   if (!std::isfinite(checksum)) throw TrustError("contact: positions are not finite; the run has diverged");
-  const float inflated = static_cast<float>(radius + 1e-6 * (lower.norm() + upper.norm() + size));  // single precision
-  const double reach = inflated + 2 * size;
-  grid_.reset(lower, upper, reach);
-  grid_.sort(count, [&](int f) { return grid_.cell_index(grid_.cell(centre_[f])); });
-  for (auto& b : bound_) b.resize(triangles_.size());
-  parallel_for(count, [&](std::ptrdiff_t k) {
-    const Box& box = box_[grid_.item(static_cast<int>(k))];
-    for (int c = 0; c < 3; ++c) {
-      bound_[c][k] = box.lower[c] - inflated;
-      bound_[3 + c][k] = box.upper[c] + inflated;
-    }
-  });
+  const float inflated = static_cast<float>(radius + 1e-6 * (largest + radius));  // single precision
+  tree_.fit([&](int f) { return box_[static_cast<std::size_t>(f)]; });
+  const auto around = [&](BoxTree::Box box) {
+    box.lower -= inflated;
+    box.upper += inflated;
+    return box;
+  };
 
-  constexpr int piece = 256;
-  const int pieces = (count + piece - 1) / piece;
+  constexpr int piece = 16;  // leaves
+  const int leaves = tree_.leaf_count(), pieces = (leaves + piece - 1) / piece;
   found_.resize(static_cast<std::size_t>(pieces));
   parallel_pieces(
       pieces, 1,
       [&](std::ptrdiff_t first_piece, std::ptrdiff_t last_piece, int) {
-        constexpr int chunk = 64;
-        std::array<char, chunk> overlaps;
         for (std::ptrdiff_t p = first_piece; p < last_piece; ++p) {
           std::vector<ClosePair> list = std::move(found_[p]);
           list.clear();
-          for (int own = static_cast<int>(p) * piece; own < std::min(count, static_cast<int>(p + 1) * piece); ++own) {
-            const int f = grid_.item(own);
-            const Box& box = box_[f];
-            const auto low = grid_.cell(centre_[f] - Vec3::Constant(reach)), high = grid_.cell(centre_[f] + Vec3::Constant(reach));
-            grid_.for_runs(low, high, [&](int first, int last) {
-              for (int base = std::max(first, own + 1); base < last; base += chunk) {  // each pair once
-                const int n = std::min(chunk, last - base);
-                char any = 0;
-                for (int k = 0; k < n; ++k) {
-                  const int j = base + k;
-                  overlaps[k] = static_cast<char>((bound_[0][j] <= box.upper[0]) & (bound_[3][j] >= box.lower[0]) & (bound_[1][j] <= box.upper[1]) &
-                                                  (bound_[4][j] >= box.lower[1]) & (bound_[2][j] <= box.upper[2]) & (bound_[5][j] >= box.lower[2]));
-                  any |= overlaps[k];
-                }
-                if (!any) continue;
-                for (int k = 0; k < n; ++k)
-                  if (overlaps[k]) add_pairs(f, grid_.item(base + k), x, list);
+          for (int leaf = static_cast<int>(p) * piece; leaf < std::min(leaves, static_cast<int>(p + 1) * piece); ++leaf) {
+            tree_.for_leaves(around(tree_.leaf_box(leaf)), leaf, [&](int other) {
+              for (int lane = 0; lane < BoxTree::width; ++lane) {
+                const int f = tree_.item(leaf * BoxTree::width + lane);
+                if (f < 0) break;
+                unsigned mask = tree_.overlapping(other, around(box_[static_cast<std::size_t>(f)]));
+                if (other == leaf) mask &= ~0U << (lane + 1);  // each pair once
+                for (; mask != 0; mask &= mask - 1) add_pairs(f, tree_.item(other * BoxTree::width + __builtin_ctz(mask)), x, list);
               }
             });
           }

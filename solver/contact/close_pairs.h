@@ -3,15 +3,15 @@
 
 // Which vertices and triangles, and which edges and edges, of a triangulated surface are near each other: all but what shares a vertex.
 //
-// Triangles around a vertex need no look where the surface is flat: all normals within 45 degrees of an axis, all triangles two radii high. Seen along the axis they do not overlap
-// and are still higher than the radius, and so far apart are their parts without a common vertex. (Not so at a slit in an open surface; normal cones: Volino & Magnenat-Thalmann 1994.)
+// Triangles around a vertex need no look where the surface is flat: all normals within 45 degrees of an axis. Seen along the axis they then do not overlap; where all of them
+// are still higher than the radius, their parts without a common vertex are so far apart. (Not so at a slit in an open surface; normal cones: Volino & Magnenat-Thalmann 1994.)
 
 #include <Eigen/Core>
 #include <array>
 #include <span>
 #include <vector>
 
-#include "solver/contact/box_grid.h"
+#include "solver/contact/box_tree.h"
 #include "solver/contact/primitive_distance.h"
 
 namespace mv {
@@ -26,8 +26,8 @@ struct ClosePair {
 
 class ClosePairs {
  public:
-  /// `triangles` over `vertices` vertices. Throws InputError on an index out of range.
-  ClosePairs(int vertices, std::span<const std::array<int, 3>> triangles);
+  /// `rest`: 3 * vertices (m), where neighbours are neighbours. Throws InputError on an index out of range.
+  ClosePairs(std::span<const double> rest, std::span<const std::array<int, 3>> triangles);
 
   /// All pairs without a common vertex nearer than `radius` (m), nearest first up to a 64th of the radius, then in any order. `x`: 3 *
   /// vertices. The same for every thread count. Throws TrustError when x is not finite. Reuses its memory.
@@ -47,9 +47,6 @@ class ClosePairs {
     std::array<int, 3> vertex{-1, -1, -1};
     std::array<int, 3> edge{-1, -1, -1};
   };
-  struct Box {
-    Eigen::Array3f lower, upper;
-  };
   void find_flat_vertices(std::span<const double> x);
   bool share_a_flat_vertex(int f, int g) const;
   bool are_far_apart(int f, int g, std::span<const double> x) const;
@@ -65,12 +62,11 @@ class ClosePairs {
   std::vector<int> shell_start_;  // per shell of distance
   double radius_ = 0;
   // Scratch of update().
-  BoxGrid grid_;
+  BoxTree tree_;  // of the triangles
   std::vector<Eigen::Vector3d> centre_, normal_;
-  std::vector<char> is_low_;   // per triangle: not two radii high
+  std::vector<double> height_;  // m, per triangle: least
   std::vector<char> is_flat_;  // per vertex
-  std::vector<Box> box_;
-  std::array<std::vector<float>, 6> bound_;  // by grid position: lower x, y, z, upper x, y, z
+  std::vector<BoxTree::Box> box_;
   std::vector<std::vector<ClosePair>> found_;
 };
 

@@ -33,7 +33,7 @@ Vec3 at(std::span<const double> x, int node) { return Eigen::Map<const Vec3>(x.d
 
 CrossingGuard::CrossingGuard(std::span<const double> rest, std::span<const std::array<int, 3>> triangles, std::span<const double> masses,
                              std::span<const char> is_fixed, const GuardOptions& options)
-    : pairs_(static_cast<int>(rest.size() / 3), triangles), options_(options) {
+    : pairs_(rest, triangles), options_(options) {
   const std::size_t vertices = rest.size() / 3;
   if (triangles.empty() || masses.size() < vertices || is_fixed.size() < vertices)
     throw InputError("crossing guard: " + std::to_string(masses.size()) + " masses and " + std::to_string(is_fixed.size()) + " marks for " +

@@ -11,20 +11,45 @@ namespace mv {
 void NearPairs::update(const ContactSurface& surface, const CandidateSearch& search, std::span<const contact::FacetHead> heads, std::span<const double> x,
                        const SightLimits& limits, double skin, double turn) {
   using Vec3 = Eigen::Vector3d;
-  const double highest = std::max(limits.depth, limits.height);
+  const BoxTree& tree = search.tree();
+  lanes_.resize(static_cast<std::size_t>(tree.leaf_count()));
+  parallel_for(
+      tree.leaf_count(),
+      [&](std::ptrdiff_t leaf) {
+        Lanes& l = lanes_[leaf];
+        for (int k = 0; k < BoxTree::width; ++k) {
+          const int f = tree.item(static_cast<int>(leaf) * BoxTree::width + k);
+          const contact::FacetHead head = f < 0 ? contact::FacetHead{} : heads[static_cast<std::size_t>(f)];
+          const Eigen::Vector3f c = head.centre.cast<float>(), n = head.n.cast<float>();
+          l.cx[k] = c[0], l.cy[k] = c[1], l.cz[k] = c[2];
+          l.nx[k] = n[0], l.ny[k] = n[1], l.nz[k] = n[2];
+          l.size[k] = static_cast<float>(head.size);
+        }
+      },
+      64);
+  double largest = 0;  // m; with it the margin for single precision
+  for (const contact::FacetHead& head : heads) largest = std::max(largest, head.centre.cwiseAbs().maxCoeff());
+  const float margin = static_cast<float>(2e-6 * largest);
+  const float highest = static_cast<float>(std::max(limits.depth, limits.height)), widening = static_cast<float>(limits.widening);
+  const float least_change = static_cast<float>(skin) + margin, turn_f = static_cast<float>(1.0001 * turn);
+  const float depth = static_cast<float>(limits.depth), height_most = static_cast<float>(limits.height);
   fill_node_lists(surface.node_count(), found_, start_, triangle_, [&](int n, std::vector<int>& list) {
-    const Vec3 p = Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(surface.nodes[static_cast<std::size_t>(n)]));
-    for (int f : search.triangles_of(n)) {
-      const contact::FacetHead& head = heads[static_cast<std::size_t>(f)];
-      const Vec3 d = p - head.centre;
-      const double squared = d.squaredNorm();
-      const double height = head.n.dot(d);
+    const std::size_t before = list.size();
+    const Eigen::Vector3f p = Vec3::Map(x.data() + 3 * static_cast<std::size_t>(surface.nodes[static_cast<std::size_t>(n)])).cast<float>();
+    for (const CandidateSearch::Block& block : search.blocks_of(n)) {
+      const Lanes& l = lanes_[static_cast<std::size_t>(block.leaf)];
+      const Floats dx = p[0] - load_floats(l.cx.data()), dy = p[1] - load_floats(l.cy.data()), dz = p[2] - load_floats(l.cz.data());
+      const Floats squared = dx * dx + dy * dy + dz * dz;
+      const Floats height = load_floats(l.nx.data()) * dx + load_floats(l.ny.data()) * dy + load_floats(l.nz.data()) * dz;
       // d changes by at most skin, height and lateral distance by at most skin + turn |d|, the triangle's size by at most skin.
-      const double change = skin + turn * std::sqrt(squared);
-      const double far = head.size + skin + limits.widening * std::min(std::abs(height) + change, highest) + change;
-      if ((height < -limits.depth - change) | (height > limits.height + change) | (squared - height * height > 1.001 * far * far)) continue;
-      list.push_back(f);
+      const Floats change = least_change + turn_f * square_root(squared);
+      const Floats above = height < 0 ? -height : height;
+      const Floats widest = above + change;
+      const Floats far = load_floats(l.size.data()) + least_change + widening * (widest < highest ? widest : highest + Floats{}) + change;
+      const unsigned seen = block.lanes & bits((height >= -depth - change) & (height <= height_most + change) & (squared - height * height <= 1.001F * far * far));
+      for (unsigned lanes = seen; lanes != 0; lanes &= lanes - 1) list.push_back(tree.item(block.leaf * BoxTree::width + __builtin_ctz(lanes)));
     }
+    std::sort(list.begin() + static_cast<std::ptrdiff_t>(before), list.end());
   });
 }
 

@@ -3,6 +3,7 @@
 
 // Second phase of the search: of the candidates of a node (candidates.h), those that can be seen before anything has moved far.
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -32,7 +33,12 @@ class NearPairs {
   int pair_count() const { return start_.back(); }
 
  private:
+  /// Heads of the triangles of a leaf.
+  struct alignas(32) Lanes {
+    std::array<float, BoxTree::width> cx, cy, cz, nx, ny, nz, size;
+  };
   std::vector<int> start_{0}, triangle_;
+  std::vector<Lanes> lanes_;             // per leaf
   std::vector<std::vector<int>> found_;  // per piece of nodes
 };
 

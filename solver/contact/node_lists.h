@@ -13,8 +13,8 @@ namespace mv {
 
 /// Entries of node n: entry[start[n] .. start[n + 1]), for `nodes` nodes. `fill(n, list)` appends those of node n to `list`. Nodes are handed out in pieces, so that
 /// threads share work that is bunched up; the result does not depend on them. `scratch` keeps its memory between calls.
-template <class Fill>
-void fill_node_lists(int nodes, std::vector<std::vector<int>>& scratch, std::vector<int>& start, std::vector<int>& entry, const Fill& fill) {
+template <class Entry, class Fill>
+void fill_node_lists(int nodes, std::vector<std::vector<Entry>>& scratch, std::vector<int>& start, std::vector<Entry>& entry, const Fill& fill) {
   constexpr std::ptrdiff_t piece = 256;
   const std::ptrdiff_t pieces = (nodes + piece - 1) / piece;
   scratch.resize(static_cast<std::size_t>(pieces));
@@ -26,7 +26,7 @@ void fill_node_lists(int nodes, std::vector<std::vector<int>>& scratch, std::vec
       [&](std::ptrdiff_t begin, std::ptrdiff_t end, int) {
         for (std::ptrdiff_t p = begin; p < end; ++p) {
           // Moved here and back: threads would share the cache line of neighbouring vectors.
-          std::vector<int> list = std::move(scratch[static_cast<std::size_t>(p)]);
+          std::vector<Entry> list = std::move(scratch[static_cast<std::size_t>(p)]);
           list.clear();
           for (std::ptrdiff_t n = p * piece; n < last(p); ++n) {
             const std::size_t before = list.size();

@@ -62,7 +62,7 @@ TEST(CandidateSearch, finds_every_triangle_in_reach_that_could_come_to_face_the_
   for (double radius : {0.3 * mm, 1.1 * mm, 3 * mm}) {
     search.update(c.x, radius, turn);
     for (int n = 0; n < c.surface.node_count(); ++n) {
-      const auto list = search.triangles_of(n);
+      const std::vector<int> list = search.triangles_of(n);
       EXPECT_TRUE(std::is_sorted(list.begin(), list.end()));
       EXPECT_EQ(std::adjacent_find(list.begin(), list.end()), list.end());
       listed += static_cast<long>(list.size());

@@ -143,7 +143,7 @@ TEST(ClosePairs, search_finds_what_comparing_all_finds) {
   // With the first two radii surroundings of vertices count as flat, with the third none does.
   const TriangleMesh mesh = layers(3, 0.13 * mm);
   for (double radius : {0.1 * mm, 0.16 * mm, 0.45 * mm}) {
-    ClosePairs search(mesh.node_count(), mesh.triangles);
+    ClosePairs search(mesh.x, mesh.triangles);
     search.update(mesh.x, radius);
     const auto expected = sorted_keys(all_pairs(mesh, radius)), found = sorted_keys(search.pairs());
     std::printf("radius %.2f mm: %zu pairs found, all against all %zu\n", 1e3 * radius, found.size(), expected.size());
@@ -159,7 +159,7 @@ TEST(ClosePairs, search_finds_what_comparing_all_finds) {
 
 TEST(ClosePairs, wrong_input_is_refused) {
   const std::vector<std::array<int, 3>> triangles{{0, 1, 3}};
-  EXPECT_THROW(ClosePairs(3, triangles), InputError);
+  EXPECT_THROW(ClosePairs(std::vector<double>(9, 0.0), triangles), InputError);
 }
 
 TEST(RelativeMotion, bound_holds_for_all_neighbours_and_ignores_common_motion) {
@@ -337,7 +337,7 @@ TEST(CrossingGuard, pressing_for_long_neither_crosses_nor_creeps) {
     for (std::size_t a = 0; a < x.size(); ++a) last = std::max(last, std::abs(x[a] - before[a]));
     for (std::size_t n = 0; n < static_cast<std::size_t>(lower); ++n) ASSERT_EQ(x[3 * n], mesh.x[3 * n]);
   }
-  ClosePairs pairs(mesh.node_count(), mesh.triangles);
+  ClosePairs pairs(mesh.x, mesh.triangles);
   pairs.update(x, 0.2 * mm);
   double least = 1;
   for (const ClosePair& p : pairs.pairs()) least = std::min(least, static_cast<double>(p.distance));
@@ -403,7 +403,7 @@ TEST(CrossingGuard, DISABLED_guard_timing) {
     }
     return best;
   };
-  ClosePairs search(mesh.node_count(), mesh.triangles);
+  ClosePairs search(mesh.x, mesh.triangles);
   for (double radius : {0.03, 0.1, 0.2, 0.3}) {
     const double ms = milliseconds([&] { search.update(mesh.x, radius * mm); });
     std::printf("search, radius %.2f mm: %.2f ms, %zu pairs\n", radius, ms, search.pairs().size());
