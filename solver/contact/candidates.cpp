@@ -299,52 +299,60 @@ void CandidateSearch::update(std::span<const double> x, double radius, double tu
   if (!std::isfinite(checksum)) throw TrustError("contact: positions are not finite; the run has diverged");
   fit_leaves(radius, static_cast<float>(2e-6 * largest + 1e-4 * radius));  // margin: single precision
 
-  /// Of the eight nodes at work.
+  /// The eight nodes at work and their lists.
   struct Work {
     std::array<View, BoxTree::width> views;
-    std::vector<int> leaves;
+    std::array<std::array<float, BoxTree::width>, 3> at;
+    std::array<std::vector<Block>, BoxTree::width> lists;
   };
   fill_node_lists(node_tree_.slot_count(), found_, start_, block_, [&](int slot, std::vector<Block>& list) {
-    const int n = node_tree_.item(slot);
-    if (n < 0) return;
     static thread_local Work work;
     const auto lane = static_cast<std::size_t>(slot % BoxTree::width);
     if (lane == 0) {
-      const int leaf = slot / BoxTree::width;
-      for (int k = 0; k < BoxTree::width; ++k)
-        if (node_tree_.item(slot + k) >= 0) work.views[static_cast<std::size_t>(k)] = view_of(node_tree_.item(slot + k), turn);
-      const Group group = group_of(leaf, x, work.views);
-      work.leaves.clear();
-      tree_.for_leaves(group.box, 0, [&](int other) {
-        const Cone& cone = cone_[static_cast<std::size_t>(other)];
+      for (std::size_t k = 0; k < BoxTree::width; ++k) {
+        work.lists[k].clear();
+        const int n = node_tree_.item(slot + static_cast<int>(k));
+        if (n >= 0) work.views[k] = view_of(n, turn);
+        for (int c = 0; c < 3; ++c)
+          work.at[static_cast<std::size_t>(c)][k] = n >= 0 ? static_cast<float>(x[3 * static_cast<std::size_t>(surface_.nodes[n]) + static_cast<std::size_t>(c)]) : NAN;
+      }
+      const Group group = group_of(slot / BoxTree::width, x, work.views);
+      const Floats px = load_floats(work.at[0].data()), py = load_floats(work.at[1].data()), pz = load_floats(work.at[2].data());
+      tree_.for_leaves(group.box, 0, [&](int leaf) {
+        const Cone& cone = cone_[static_cast<std::size_t>(leaf)];
         // All normals of the leaf lie within the angle when the axes are closer than the difference of both angles.
         const bool is_narrower = cone.cosine > group.cosine && group.cosine <= 1;
         if (is_narrower && cone.axis.dot(group.axis) >= group.cosine * cone.cosine + group.sine * cone.sine) return;
-        work.leaves.push_back(other);
+        const BoxTree::Box box = tree_.leaf_box(leaf);
+        unsigned inside = bits((px >= box.lower[0]) & (px <= box.upper[0]) & (py >= box.lower[1]) & (py <= box.upper[1]) & (pz >= box.lower[2]) & (pz <= box.upper[2]));
+        for (; inside != 0; inside &= inside - 1) {
+          const int k = __builtin_ctz(inside);
+          const unsigned lanes = candidates_in(leaf, node_tree_.item(slot + k), {work.at[0][k], work.at[1][k], work.at[2][k]}, work.views[static_cast<std::size_t>(k)]);
+          if (lanes != 0) work.lists[static_cast<std::size_t>(k)].push_back({leaf, lanes});
+        }
       });
     }
-    const Eigen::Vector3f p = point(x, surface_.nodes[n]).cast<float>(), rest = rest_node_[n];
-    const View& view = work.views[lane];
-    const int own_side = surface_.node_side[n];
-    const bool has_exceptions = exception_start_[n + 1] > exception_start_[n];
-    for (const int leaf : work.leaves) {
-      const Lanes& l = lanes_[static_cast<std::size_t>(leaf)];
-      const Floats dx = load_floats(l.cx.data()) - p[0], dy = load_floats(l.cy.data()) - p[1], dz = load_floats(l.cz.data()) - p[2];
-      const Floats aligned = load_floats(l.nx.data()) * view.axis[0] + load_floats(l.ny.data()) * view.axis[1] + load_floats(l.nz.data()) * view.axis[2];
-      const FloatMask near = (dx * dx + dy * dy + dz * dz <= load_floats(l.reach_squared.data())) & (aligned < view.cosine);
-      const unsigned in_reach = bits(near);
-      if (in_reach == 0) continue;
-      const Floats ex = load_floats(l.rx.data()) - rest[0], ey = load_floats(l.ry.data()) - rest[1], ez = load_floats(l.rz.data()) - rest[2];
-      const Floats apart = ex * ex + ey * ey + ez * ez;
-      const FloatMask same_side = load_ints(l.side.data()) == own_side;
-      const unsigned own = bits((same_side & (apart < exclusion_squared_)) | (~same_side & (apart < exclusion_squared_through_)));
-      unsigned lanes = in_reach & ~own;
-      if (has_exceptions)
-        for (unsigned rest_of = in_reach & own; rest_of != 0; rest_of &= rest_of - 1)
-          if (is_exception(n, tree_.item(leaf * BoxTree::width + __builtin_ctz(rest_of)))) lanes |= rest_of & (~rest_of + 1);
-      if (lanes != 0) list.push_back({leaf, lanes});
-    }
+    list.insert(list.end(), work.lists[lane].begin(), work.lists[lane].end());
   });
+}
+
+/// Bit l: the triangle in lane l of the leaf is a candidate of the node at p.
+unsigned CandidateSearch::candidates_in(int leaf, int node, const Eigen::Vector3f& p, const View& view) const {
+  const Lanes& l = lanes_[static_cast<std::size_t>(leaf)];
+  const Eigen::Vector3f& rest = rest_node_[node];
+  const Floats dx = load_floats(l.cx.data()) - p[0], dy = load_floats(l.cy.data()) - p[1], dz = load_floats(l.cz.data()) - p[2];
+  const Floats aligned = load_floats(l.nx.data()) * view.axis[0] + load_floats(l.ny.data()) * view.axis[1] + load_floats(l.nz.data()) * view.axis[2];
+  const unsigned in_reach = bits((dx * dx + dy * dy + dz * dz <= load_floats(l.reach_squared.data())) & (aligned < view.cosine));
+  if (in_reach == 0) return 0;
+  const Floats ex = load_floats(l.rx.data()) - rest[0], ey = load_floats(l.ry.data()) - rest[1], ez = load_floats(l.rz.data()) - rest[2];
+  const Floats apart = ex * ex + ey * ey + ez * ez;
+  const FloatMask same_side = load_ints(l.side.data()) == surface_.node_side[node];
+  const unsigned own = bits((same_side & (apart < exclusion_squared_)) | (~same_side & (apart < exclusion_squared_through_)));
+  unsigned lanes = in_reach & ~own;
+  if (exception_start_[node + 1] > exception_start_[node])
+    for (unsigned left = in_reach & own; left != 0; left &= left - 1)
+      if (is_exception(node, tree_.item(leaf * BoxTree::width + __builtin_ctz(left)))) lanes |= left & (~left + 1);
+  return lanes;
 }
 
 std::vector<int> CandidateSearch::triangles_of(int node) const {

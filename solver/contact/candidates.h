@@ -42,8 +42,13 @@ class CandidateSearch {
     std::int32_t leaf;
     std::uint32_t lanes;
   };
-  std::span<const Block> blocks_of(int node) const {
-    const auto slot = static_cast<std::size_t>(node_slot_[static_cast<std::size_t>(node)]);
+  std::span<const Block> blocks_of(int node) const { return blocks_at(slot_of(node)); }
+  /// Nodes in an order in which neighbours follow each other: node_at(slot) is -1 for an empty one of `slot_count()`.
+  int slot_count() const { return node_tree_.slot_count(); }
+  int node_at(int slot) const { return node_tree_.item(slot); }
+  int slot_of(int node) const { return node_slot_[static_cast<std::size_t>(node)]; }
+  std::span<const Block> blocks_at(int node_slot) const {
+    const auto slot = static_cast<std::size_t>(node_slot);
     return {block_.data() + start_[slot], static_cast<std::size_t>(start_[slot + 1] - start_[slot])};
   }
   const BoxTree& tree() const { return tree_; }
@@ -65,6 +70,7 @@ class CandidateSearch {
   View view_of(int node, double turn) const;
   Group group_of(int leaf, std::span<const double> x, std::span<const View> views) const;
   void fit_leaves(double radius, float margin);
+  unsigned candidates_in(int leaf, int node, const Eigen::Vector3f& p, const View& view) const;
   void find_exceptions();
   bool is_exception(int node, int triangle) const;
   bool is_same_face(int node, int triangle) const { return surface_.node_side[static_cast<std::size_t>(node)] == surface_.triangle_side[static_cast<std::size_t>(triangle)]; }

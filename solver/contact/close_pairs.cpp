@@ -86,21 +86,38 @@ void ClosePairs::find_flat_vertices(std::span<const double> x) {
   });
 }
 
-bool ClosePairs::share_a_flat_vertex(int f, int g) const {
-  for (int a : triangles_[static_cast<std::size_t>(f)])
-    for (int b : triangles_[static_cast<std::size_t>(g)])
-      if (a == b && is_flat_[static_cast<std::size_t>(a)]) return true;
-  return false;
+/// Bit l: triangle f and that in lane l of the leaf have a vertex in common around which the surface is flat.
+unsigned ClosePairs::sharing_a_flat_vertex(int f, int leaf) const {
+  const Lanes& l = lanes_[static_cast<std::size_t>(leaf)];
+  FloatMask shared{};
+  for (int a : triangles_[static_cast<std::size_t>(f)]) {
+    if (!is_flat_[static_cast<std::size_t>(a)]) continue;
+    for (const auto& vertices : l.vertex) shared |= load_ints(vertices.data()) == a;
+  }
+  return bits(shared);
 }
 
-/// Whether a plane across the line of their centres parts them by more than the radius.
-bool ClosePairs::are_far_apart(int f, int g, std::span<const double> x) const {
-  const Vec3 axis = centre_[static_cast<std::size_t>(g)] - centre_[static_cast<std::size_t>(f)];
-  double near = -1e300, far = 1e300;
-  for (int v : triangles_[static_cast<std::size_t>(f)]) near = std::max(near, axis.dot(point(x, v)));
-  for (int v : triangles_[static_cast<std::size_t>(g)]) far = std::min(far, axis.dot(point(x, v)));
-  const double gap = far - near;
-  return gap > 0 && gap * gap > 1.000001 * radius_ * radius_ * axis.squaredNorm();
+/// Bit l: a plane across the line of the centres of triangle f and that in lane l parts them by more than the radius.
+unsigned ClosePairs::far_from(int f, int leaf, std::span<const double> x) const {
+  const Lanes& l = lanes_[static_cast<std::size_t>(leaf)];
+  const auto corner = [&](int k, int c) { return load_floats(l.corner[static_cast<std::size_t>(k)][static_cast<std::size_t>(c)].data()); };
+  std::array<Eigen::Vector3f, 3> own;
+  for (std::size_t k = 0; k < 3; ++k) own[k] = point(x, triangles_[static_cast<std::size_t>(f)][k]).cast<float>();
+  const Eigen::Vector3f centre = (own[0] + own[1] + own[2]) / 3;
+  std::array<Floats, 3> axis;
+  for (int c = 0; c < 3; ++c) axis[static_cast<std::size_t>(c)] = (corner(0, c) + corner(1, c) + corner(2, c)) * (1 / 3.0F) - centre[c];
+  // Heights along the axis over the centre of f: small numbers.
+  Floats near{}, far{};
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3f p = own[static_cast<std::size_t>(k)] - centre;
+    const Floats u = axis[0] * p[0] + axis[1] * p[1] + axis[2] * p[2];
+    const Floats v = axis[0] * (corner(k, 0) - centre[0]) + axis[1] * (corner(k, 1) - centre[1]) + axis[2] * (corner(k, 2) - centre[2]);
+    near = k == 0 ? u : (u > near ? u : near);
+    far = k == 0 ? v : (v < far ? v : far);
+  }
+  const Floats gap = far - near;
+  const float reach = static_cast<float>(radius_) * 1.0001F + margin_;
+  return bits((gap > 0) & (gap * gap > reach * reach * (axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2])));
 }
 
 void ClosePairs::add(bool is_edges, const std::array<int, 4>& node, std::span<const double> x, std::vector<ClosePair>& out) const {
@@ -115,7 +132,6 @@ void ClosePairs::add(bool is_edges, const std::array<int, 4>& node, std::span<co
 }
 
 void ClosePairs::add_pairs(int f, int g, std::span<const double> x, std::vector<ClosePair>& out) const {
-  if (share_a_flat_vertex(f, g) || are_far_apart(f, g, x)) return;
   const auto has = [](const std::array<int, 3>& t, int v) { return t[0] == v || t[1] == v || t[2] == v; };
   const auto add_vertices = [&](const Owned& of, const std::array<int, 3>& t) {
     for (int v : of.vertex)
@@ -153,8 +169,23 @@ void ClosePairs::update(std::span<const double> x, double radius) {
     checksum += centre_[f].sum();
   }
   if (!std::isfinite(checksum)) throw TrustError("contact: positions are not finite; the run has diverged");
-  const float inflated = static_cast<float>(radius + 1e-6 * (largest + radius));  // single precision
+  margin_ = static_cast<float>(1e-6 * (largest + radius));
+  const float inflated = static_cast<float>(radius) + margin_;
   tree_.fit([&](int f) { return box_[static_cast<std::size_t>(f)]; });
+  lanes_.resize(static_cast<std::size_t>(tree_.leaf_count()));
+  parallel_for(
+      tree_.leaf_count(),
+      [&](std::ptrdiff_t leaf) {
+        for (int lane = 0; lane < BoxTree::width; ++lane) {
+          const int f = tree_.item(static_cast<int>(leaf) * BoxTree::width + lane);
+          for (int k = 0; k < 3; ++k) {
+            const int v = f < 0 ? -1 : triangles_[static_cast<std::size_t>(f)][k];
+            lanes_[leaf].vertex[k][lane] = v;
+            for (int c = 0; c < 3; ++c) lanes_[leaf].corner[k][c][lane] = v < 0 ? 0 : static_cast<float>(x[3 * static_cast<std::size_t>(v) + c]);
+          }
+        }
+      },
+      64);
   const auto around = [&](BoxTree::Box box) {
     box.lower -= inflated;
     box.upper += inflated;
@@ -172,11 +203,13 @@ void ClosePairs::update(std::span<const double> x, double radius) {
           list.clear();
           for (int leaf = static_cast<int>(p) * piece; leaf < std::min(leaves, static_cast<int>(p + 1) * piece); ++leaf) {
             tree_.for_leaves(around(tree_.leaf_box(leaf)), leaf, [&](int other) {
-              for (int lane = 0; lane < BoxTree::width; ++lane) {
-                const int f = tree_.item(leaf * BoxTree::width + lane);
-                if (f < 0) break;
+              unsigned own = tree_.overlapping(leaf, around(tree_.leaf_box(other)));
+              for (; own != 0; own &= own - 1) {
+                const int lane = __builtin_ctz(own), f = tree_.item(leaf * BoxTree::width + lane);
                 unsigned mask = tree_.overlapping(other, around(box_[static_cast<std::size_t>(f)]));
                 if (other == leaf) mask &= ~0U << (lane + 1);  // each pair once
+                if (mask != 0) mask &= ~sharing_a_flat_vertex(f, other);
+                if (mask != 0) mask &= ~far_from(f, other, x);
                 for (; mask != 0; mask &= mask - 1) add_pairs(f, tree_.item(other * BoxTree::width + __builtin_ctz(mask)), x, list);
               }
             });

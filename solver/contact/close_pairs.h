@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -48,8 +49,8 @@ class ClosePairs {
     std::array<int, 3> edge{-1, -1, -1};
   };
   void find_flat_vertices(std::span<const double> x);
-  bool share_a_flat_vertex(int f, int g) const;
-  bool are_far_apart(int f, int g, std::span<const double> x) const;
+  unsigned sharing_a_flat_vertex(int f, int leaf) const;
+  unsigned far_from(int f, int leaf, std::span<const double> x) const;
   void add_pairs(int f, int g, std::span<const double> x, std::vector<ClosePair>& out) const;
   void add(bool is_edges, const std::array<int, 4>& node, std::span<const double> x, std::vector<ClosePair>& out) const;
 
@@ -63,6 +64,13 @@ class ClosePairs {
   double radius_ = 0;
   // Scratch of update().
   BoxTree tree_;  // of the triangles
+  /// The triangles of a leaf.
+  struct alignas(32) Lanes {
+    std::array<std::array<std::int32_t, BoxTree::width>, 3> vertex;
+    std::array<std::array<std::array<float, BoxTree::width>, 3>, 3> corner;  // coordinates of each
+  };
+  std::vector<Lanes> lanes_;    // per leaf
+  float margin_ = 0;            // m, single precision
   std::vector<Eigen::Vector3d> centre_, normal_;
   std::vector<double> height_;  // m, per triangle: least
   std::vector<char> is_flat_;  // per vertex

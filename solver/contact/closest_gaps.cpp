@@ -9,7 +9,7 @@
 
 #include "geometry/core/errors.h"
 #include "geometry/core/parallel.h"
-#include "solver/contact/box_grid.h"
+#include "solver/contact/box_tree.h"
 #include "solver/contact/contact_kernel.h"
 
 namespace mv {
@@ -18,6 +18,13 @@ namespace {
 using Vec3 = Eigen::Vector3d;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr float infinity_f = std::numeric_limits<float>::infinity();
+
+/// Heads of the triangles of a leaf; size: minus infinity where none counts.
+struct alignas(32) LeafHeads {
+  std::array<std::array<float, BoxTree::width>, 3> centre, normal;
+  std::array<float, BoxTree::width> size;
+};
 
 Vec3 at(std::span<const double> x, int node) { return Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(node)); }
 
@@ -36,29 +43,39 @@ void closest_gaps(const ContactSurface& s, const CandidateSearch& rule, std::spa
     const auto& t = s.triangles[f];
     return contact::make_head(at(x, s.nodes[t[0]]), at(x, s.nodes[t[1]]), at(x, s.nodes[t[2]]));
   };
-  std::vector<int> masters;
-  for (int f = 0; f < triangles; ++f) {
-    if (!atrial_only || s.triangle_side[f] > 0) masters.push_back(f);
-  }
-  if (masters.empty()) return;
-  const int count = static_cast<int>(masters.size());
-  std::vector<contact::FacetHead> unsorted(masters.size()), heads(masters.size());
-  parallel_for(count, [&](std::ptrdiff_t m) { unsorted[m] = head_of(masters[m]); });
+  std::vector<contact::FacetHead> heads(s.triangles.size());
+  parallel_for(triangles, [&](std::ptrdiff_t f) { heads[f] = head_of(static_cast<int>(f)); });
   std::vector<Vec3> normals(s.nodes.size());
   current_node_normals(s, x, normals);
-  Vec3 lower = unsorted[0].centre, upper = lower;
-  double size_max = 0, checksum = 0;
-  for (const auto& head : unsorted) {
-    lower = lower.cwiseMin(head.centre);
-    upper = upper.cwiseMax(head.centre);
-    size_max = std::max(size_max, head.size);
+  double largest = 0, checksum = 0;
+  for (const auto& head : heads) {
+    largest = std::max(largest, head.centre.cwiseAbs().maxCoeff());
     checksum += head.centre.sum() + head.size;
   }
   if (!std::isfinite(checksum)) throw TrustError("contact: positions are not finite; the run has diverged");
-  BoxGrid grid;
-  grid.reset(lower, upper, std::max(1.5 * s.mean_edge, 0.125 * (max_distance + size_max)));
-  grid.sort(count, [&](int m) { return grid.cell_index(grid.cell(unsorted[m].centre)); });
-  parallel_for(count, [&](std::ptrdiff_t k) { heads[k] = unsorted[grid.item(static_cast<int>(k))]; });
+  const auto is_master = [&](int f) { return !atrial_only || s.triangle_side[f] > 0; };
+  const float margin = static_cast<float>(2e-6 * largest);  // single precision
+  BoxTree tree = rule.tree();
+  tree.fit([&](int f) {
+    const Eigen::Array3f c = heads[f].centre.cast<float>().array();
+    const float r = is_master(f) ? static_cast<float>(heads[f].size) + margin : -infinity_f;
+    return BoxTree::Box{c - r, c + r};
+  });
+  std::vector<LeafHeads> leaves(static_cast<std::size_t>(tree.leaf_count()));
+  parallel_for(
+      tree.leaf_count(),
+      [&](std::ptrdiff_t leaf) {
+        for (int k = 0; k < BoxTree::width; ++k) {
+          const int f = tree.item(static_cast<int>(leaf) * BoxTree::width + k);
+          const bool counts = f >= 0 && is_master(f);
+          for (int c = 0; c < 3; ++c) {
+            leaves[leaf].centre[c][k] = counts ? static_cast<float>(heads[f].centre[c]) : 0;
+            leaves[leaf].normal[c][k] = counts ? static_cast<float>(heads[f].n[c]) : 0;
+          }
+          leaves[leaf].size[k] = counts ? static_cast<float>(heads[f].size) : -infinity_f;
+        }
+      },
+      64);
   const auto find = [&](std::ptrdiff_t n) {
     if (atrial_only && !s.on_atrial_face[n]) return;
     const Vec3 p = at(x, s.nodes[n]);
@@ -86,43 +103,27 @@ void closest_gaps(const ContactSurface& s, const CandidateSearch& rule, std::spa
       best_height = height;
     };
     const auto try_guess = [&](int f) {
-      if (f >= 0 && f < triangles && (!atrial_only || s.triangle_side[f] > 0)) measure(f, head_of(f));
+      if (f >= 0 && f < triangles && is_master(f)) measure(f, heads[f]);
     };
     if (!guesses.empty()) try_guess(guesses[n]);
     if (last.size() == s.nodes.size()) try_guess(last[n]);
-    const auto visit = [&](int k) {
-      const contact::FacetHead& head = heads[k];
-      const double within = best_distance + head.size;
-      if ((p - head.centre).squaredNorm() <= 1.0001 * within * within) measure(masters[grid.item(k)], head);
+    const Eigen::Vector3f pf = p.cast<float>(), nf = node_normal.cast<float>();
+    const float deepest = -static_cast<float>(penetration_limit) - margin;
+    const auto look = [&](int leaf) {
+      const LeafHeads& l = leaves[static_cast<std::size_t>(leaf)];
+      const auto lanes = [](const std::array<float, BoxTree::width>& a) { return load_floats(a.data()); };
+      const Floats dx = pf[0] - lanes(l.centre[0]), dy = pf[1] - lanes(l.centre[1]), dz = pf[2] - lanes(l.centre[2]);
+      const Floats nx = lanes(l.normal[0]), ny = lanes(l.normal[1]), nz = lanes(l.normal[2]);
+      const Floats within = lanes(l.size) + (static_cast<float>(1.0001 * best_distance) + margin);
+      unsigned seen = bits((within > 0) & (dx * dx + dy * dy + dz * dz <= within * within) &
+                           (nx * nf[0] + ny * nf[1] + nz * nf[2] < static_cast<float>(facing_cosine) + 1e-5F) & (nx * dx + ny * dy + nz * dz > deepest));
+      for (; seen != 0; seen &= seen - 1) {
+        const int f = tree.item(leaf * BoxTree::width + __builtin_ctz(seen));
+        measure(f, heads[f]);
+      }
     };
-    // Shells of cells around the node's own until nothing closer can follow.
-    const auto home = grid.cell(p);
-    const int rings = static_cast<int>((max_distance + size_max) / grid.cell_size()) + 1;
-    for (int ring = 0; ring <= rings; ++ring) {
-      if (ring > 1 && (ring - 1) * grid.cell_size() > best_distance + size_max) break;
-      std::array<int, 3> low, high;
-      for (int k = 0; k < 3; ++k) {
-        low[k] = std::max(home[k] - ring, 0);
-        high[k] = std::min(home[k] + ring, grid.size()[k] - 1);
-      }
-      for (int k = low[2]; k <= high[2]; ++k) {
-        for (int j = low[1]; j <= high[1]; ++j) {
-          const bool shell = std::abs(k - home[2]) == ring || std::abs(j - home[1]) == ring;
-          const auto run = [&](int from, int to) {
-            if (from > to) return;
-            grid.for_runs({from, j, k}, {to, j, k}, [&](int first, int end) {
-              for (int q = first; q < end; ++q) visit(q);
-            });
-          };
-          if (shell) {
-            run(low[0], high[0]);
-          } else {
-            if (home[0] - ring >= 0) run(home[0] - ring, home[0] - ring);
-            if (ring > 0 && home[0] + ring < grid.size()[0]) run(home[0] + ring, home[0] + ring);
-          }
-        }
-      }
-    }
+    const float reach = static_cast<float>(1.0001 * best_distance) + margin;
+    tree.for_leaves({pf.array() - reach, pf.array() + reach}, 0, look);
     if (best_triangle < 0) return;
     out.triangle[n] = best_triangle;
     out.point[n] = best_point;

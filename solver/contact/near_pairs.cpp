@@ -33,10 +33,13 @@ void NearPairs::update(const ContactSurface& surface, const CandidateSearch& sea
   const float highest = static_cast<float>(std::max(limits.depth, limits.height)), widening = static_cast<float>(limits.widening);
   const float least_change = static_cast<float>(skin) + margin, turn_f = static_cast<float>(1.0001 * turn);
   const float depth = static_cast<float>(limits.depth), height_most = static_cast<float>(limits.height);
-  fill_node_lists(surface.node_count(), found_, start_, triangle_, [&](int n, std::vector<int>& list) {
+  search_ = &search;
+  fill_node_lists(search.slot_count(), found_, start_, triangle_, [&](int slot, std::vector<int>& list) {
+    const int n = search.node_at(slot);
+    if (n < 0) return;
     const std::size_t before = list.size();
     const Eigen::Vector3f p = Vec3::Map(x.data() + 3 * static_cast<std::size_t>(surface.nodes[static_cast<std::size_t>(n)])).cast<float>();
-    for (const CandidateSearch::Block& block : search.blocks_of(n)) {
+    for (const CandidateSearch::Block& block : search.blocks_at(slot)) {
       const Lanes& l = lanes_[static_cast<std::size_t>(block.leaf)];
       const Floats dx = p[0] - load_floats(l.cx.data()), dy = p[1] - load_floats(l.cy.data()), dz = p[2] - load_floats(l.cz.data());
       const Floats squared = dx * dx + dy * dy + dz * dz;

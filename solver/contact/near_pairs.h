@@ -21,23 +21,26 @@ struct SightLimits {
 class NearPairs {
  public:
   /// Keeps, of `search`'s lists, every triangle that the node can see while no node has moved by more than `skin` / 2 (m) and no triangle's unit
-  /// normal by more than `turn` (may keep some that it cannot). `heads` of all triangles at `x` (3 * solid_nodes), R_f added to their size. Ascending order. Reuses its memory.
+  /// normal by more than `turn` (may keep some that it cannot). `heads` of all triangles at `x` (3 * solid_nodes), R_f added to their size. Ascending order. Reuses its memory. Keeps a reference to `search`.
   void update(const ContactSurface& surface, const CandidateSearch& search, std::span<const contact::FacetHead> heads, std::span<const double> x,
               const SightLimits& limits, double skin, double turn);
 
   std::span<const int> triangles_of(int node) const {
-    return {triangle_.data() + start_[static_cast<std::size_t>(node)],
-            static_cast<std::size_t>(start_[static_cast<std::size_t>(node) + 1] - start_[static_cast<std::size_t>(node)])};
+    const std::size_t slot = slot_of(node);
+    return {triangle_.data() + start_[slot], static_cast<std::size_t>(start_[slot + 1] - start_[slot])};
   }
-  int first_pair(int node) const { return start_[static_cast<std::size_t>(node)]; }
+  int first_pair(int node) const { return start_[slot_of(node)]; }
   int pair_count() const { return start_.back(); }
 
  private:
+  std::size_t slot_of(int node) const { return static_cast<std::size_t>(search_->slot_of(node)); }
+
+  const CandidateSearch* search_ = nullptr;
   /// Heads of the triangles of a leaf.
   struct alignas(32) Lanes {
     std::array<float, BoxTree::width> cx, cy, cz, nx, ny, nz, size;
   };
-  std::vector<int> start_{0}, triangle_;
+  std::vector<int> start_{0}, triangle_;  // by slot of `search`
   std::vector<Lanes> lanes_;             // per leaf
   std::vector<std::vector<int>> found_;  // per piece of nodes
 };
