@@ -1,6 +1,7 @@
 if(TARGET mv_contact)
   mv_add_test(unit_contact
     SOURCES
+      unit/contact/box_tree.cpp
       unit/contact/candidates.cpp
       unit/contact/crossing_guard.cpp
       unit/contact/forces.cpp

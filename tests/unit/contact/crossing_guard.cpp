@@ -100,12 +100,12 @@ TEST(PrimitiveDistance, share_of_approach_stops_before_the_least_distance_and_no
 }
 
 /// Folded, wavy sheets in layers.
-TriangleMesh layers(int count, double gap) {
+TriangleMesh layers(int count, double gap, double waves = 0.3 * mm) {
   TriangleMesh mesh;
   for (int k = 0; k < count; ++k)
     mesh.add_sheet(
         8 + k, 7, 4 * mm, 3.5 * mm,
-        [&](const Vec3& p) { return Vec3(p[0] + 0.1 * mm * k, p[1] - 0.07 * mm * k, k * gap + 0.3 * mm * std::sin(p[0] / mm) * std::cos(p[1] / mm)); }, k % 2 == 1);
+        [&](const Vec3& p) { return Vec3(p[0] + 0.1 * mm * k, p[1] - 0.07 * mm * k, k * gap + waves * std::sin(p[0] / mm) * std::cos(p[1] / mm)); }, k % 2 == 1);
   return mesh;
 }
 
@@ -140,7 +140,7 @@ std::vector<std::pair<bool, std::array<int, 4>>> sorted_keys(std::span<const Clo
 }
 
 TEST(ClosePairs, search_finds_what_comparing_all_finds) {
-  // With the first two radii surroundings of vertices count as flat, with the third none does.
+  // With the first two radii most surroundings of vertices count as flat.
   const TriangleMesh mesh = layers(3, 0.13 * mm);
   for (double radius : {0.1 * mm, 0.16 * mm, 0.45 * mm}) {
     ClosePairs search(mesh.x, mesh.triangles);
@@ -154,6 +154,20 @@ TEST(ClosePairs, search_finds_what_comparing_all_finds) {
     for (const ClosePair& p : search.pairs_within(0.5 * radius)) nearer_within += p.distance < 0.5 * radius;
     EXPECT_EQ(nearer, nearer_within);
     EXPECT_LT(search.pairs_within(0.5 * radius).size(), found.size());
+  }
+}
+
+TEST(ClosePairs, flat_surroundings_hide_nothing) {
+  // From smooth to steep, radii up to more than the height of the triangles: the rule of the flat vertices ends somewhere in between.
+  for (double waves : {0.1 * mm, 0.5 * mm, 0.8 * mm, 1.3 * mm}) {
+    TriangleMesh mesh = layers(2, 0.3 * mm, waves);
+    Random random;
+    for (std::size_t n = 0; n < mesh.x.size() / 3; ++n) Eigen::Map<Vec3>(mesh.x.data() + 3 * n) += random.vector(0.12 * mm);
+    ClosePairs search(mesh.x, mesh.triangles);
+    for (double radius = 0.04 * mm; radius < 0.55 * mm; radius *= 1.1) {
+      search.update(mesh.x, radius);
+      ASSERT_EQ(sorted_keys(search.pairs()), sorted_keys(all_pairs(mesh, radius))) << "waves " << 1e3 * waves << " mm, radius " << 1e3 * radius << " mm";
+    }
   }
 }
 
