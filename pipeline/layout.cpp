@@ -187,7 +187,9 @@ class LayoutSearch {
       } catch (const GateError& e) {
         if (k == finer_meshes) throw;
         const double spacing = finer * coarse_.number_in("mesh.spacing", "mm");
-        spdlog::info("the mesh of the trials does not pass its gates ({}); again with mesh.spacing = {:.3g} mm", e.what(), spacing);
+        std::string reason = e.what();  // a line a gate
+        while (!reason.empty() && reason.back() == '\n') reason.pop_back();
+        spdlog::info("the mesh of the trials does not pass: {}\nagain with mesh.spacing = {:.3g} mm", reason, spacing);
         coarse_.set(fmt::format("mesh.spacing={} mm", spacing));
       }
     }

@@ -20,7 +20,7 @@ int run(const std::string& arguments, const TemporaryDirectory& dir) {
 }
 
 std::string search(const std::filesystem::path& out, int trials) {
-  return "layout -c '" + std::string(MV_SOURCE_DIR) + "/configs/demo.toml' -o '" + out.string() + "' --fluid '4 mm' --time '60 ms' --target 0.5 --trials " + std::to_string(trials) +
+  return "layout -c '" + std::string(MV_SOURCE_DIR) + "/configs/demo.toml' -o '" + out.string() + "' --fluid '4 mm' --target 0.5 --trials " + std::to_string(trials) +
          " --set chordae.slack=1.3 --set fibers.model=none --set leaflet.anterior.law=neo_hookean --set leaflet.posterior.law=neo_hookean --set 'contact.threshold=1.5 mm'";
 }
 
@@ -51,7 +51,7 @@ std::vector<Row> rows_of(const std::filesystem::path& file) {
 
 TEST(Layout, chordae_are_changed_until_the_holes_shrink_and_the_best_is_kept_as_files) {
   const TemporaryDirectory dir;
-  const int code = run(search(dir / "search", 2), dir);
+  const int code = run(search(dir / "search", 2) + " --time '60 ms'", dir);
   ASSERT_TRUE(code == 0 || code == 5) << code << "\n" << mv::read_file(dir / "stderr");
   const std::vector<Row> rows = rows_of(dir / "search/trials.csv");
   ASSERT_GE(rows.size(), 2u) << mv::read_file(dir / "search/trials.csv");
@@ -68,7 +68,7 @@ TEST(Layout, chordae_are_changed_until_the_holes_shrink_and_the_best_is_kept_as_
   EXPECT_EQ(code == 0, best <= 0.5);
 
   // The same search gives the same rows.
-  run(search(dir / "again", 1), dir);
+  run(search(dir / "again", 1) + " --time '60 ms'", dir);
   const std::string all = mv::read_file(dir / "search/trials.csv"), one = mv::read_file(dir / "again/trials.csv");
   EXPECT_EQ(all.substr(0, one.size()), one);
 
@@ -76,6 +76,23 @@ TEST(Layout, chordae_are_changed_until_the_holes_shrink_and_the_best_is_kept_as_
   const std::string keys = mv::read_file(dir / "search/layout.toml");
   std::ofstream(dir / "search/again.toml") << "[mesh]\nspacing = \"2 mm\"\n[tube]\nspacing = \"4 mm\"\n[fibers]\nmodel = \"none\"\n" << keys;
   ASSERT_EQ(run("run -c '" + (dir / "search/again.toml").string() + "' -o '" + (dir / "case").string() + "'", dir), 0) << mv::read_file(dir / "stderr");
+}
+
+TEST(Layout, a_coarse_mesh_that_does_not_pass_its_gates_is_refined_a_few_times) {
+  // Half of the fluid spacing, 2 mm, is what the search starts from.
+  const TemporaryDirectory dir;
+  const auto gated = [&](const std::string& out, const std::string& ratio) {
+    return run(search(dir / out, 1) + " --time '1 ms' --set gates.max_spacing_ratio=" + ratio, dir);
+  };
+  EXPECT_EQ(gated("refined", "0.45"), 5);
+  EXPECT_NE(mv::read_file(dir / "stderr").find("again with mesh.spacing = 1.7 mm"), std::string::npos) << mv::read_file(dir / "stderr");
+  EXPECT_EQ(rows_of(dir / "refined/trials.csv").size(), 1u);
+  EXPECT_NE(mv::read_file(dir / "refined/trial_01/case/case.toml").find("spacing = \"1.7 mm\""), std::string::npos);
+
+  EXPECT_EQ(gated("hopeless", "0.1"), 5);
+  const std::string error = mv::read_file(dir / "stderr");
+  EXPECT_NE(error.find("leaflets.spacing_max"), std::string::npos) << error;
+  EXPECT_FALSE(std::filesystem::exists(dir / "hopeless/trials.csv"));
 }
 
 TEST(Layout, what_cannot_be_searched_is_refused) {
