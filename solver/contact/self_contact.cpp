@@ -348,12 +348,12 @@ struct SelfContact::Impl {
   }
 
   /// Triangles that face the node within reach, with their weights; returns W.
-  double look(const Vec3& x, int node, Scratch& scratch) const {
-    std::vector<Sight>& seen = scratch.seen;
+  double look(const Vec3& x, int node, Scratch& scratch_of_thread) const {
+    std::vector<Sight>& seen = scratch_of_thread.seen;
     seen.clear();
     const auto list = near.triangles_of(node);
     // Most do not see each other: sorted out first, without a branch for each.
-    scratch.passed.resize(std::max(scratch.passed.size(), list.size()));
+    scratch_of_thread.passed.resize(std::max(scratch_of_thread.passed.size(), list.size()));
     std::size_t passed = 0;
     for (std::size_t k = 0; k < list.size(); ++k) {
       const contact::FacetHead& head = heads[list[k]];
@@ -362,14 +362,14 @@ struct SelfContact::Impl {
       // Lateral distance is at least that to the centroid less the triangle's size; the averaging radius is at most R_f + gamma
       // |p|.
       const double far = head.size + lateral_growth * std::abs(height);
-      scratch.passed[passed] = static_cast<int>(k);
+      scratch_of_thread.passed[passed] = static_cast<int>(k);
       passed += (height > -options.penetration_limit) & (height < p_max) & (from_centre.squaredNorm() - height * height <= 1.0001 * far * far);
     }
     if (passed == 0) return 0;
     double nearest = threshold_of[node];
     const Vec3 n = node_normal(node);
     for (std::size_t m = 0; m < passed; ++m) {
-      const int k = scratch.passed[m], f = list[k], pair = near.first_pair(node) + k;
+      const int k = scratch_of_thread.passed[m], f = list[k], pair = near.first_pair(node) + k;
       const contact::FacetHead& head = heads[f];
       const double cosine = head.n.dot(n);
       if (!(cosine < facing_cosine)) continue;

@@ -126,7 +126,7 @@ void add_pressure(Table& t) {
   t.axis("100 beats");
   for (const auto& [name, note, scheme] : {std::array{"beats_100", "100 beats of 60 ms", "drained"}, std::array{"beats_100_film", "100 beats of 60 ms on a film of blood: leaflets never touch", "interpolation"}}) {
     StabilityCase& beats = t.add(name, note, {"time.end=6 s", std::string("coupling.scheme=") + scheme}, beat_count * beat_length, Behaviour::beats);
-    beats.geometry = fluid_spacing(3);
+    if (scheme == std::string_view("interpolation")) beats.geometry = fluid_spacing(4);  // quicker; on 4 mm drainage would reach 10 mm far
     beats.alter = [](Scene& scene) { set_beats(scene, beat_count, beat_length, 60); };
   }
 }

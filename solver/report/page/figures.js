@@ -79,10 +79,16 @@
       xanchor: !l.commissure ? "center" : l.u < u[0] + 8 ? "left" : l.u > u[u.length - 1] - 8 ? "right" : "center",
       font: { size: l.commissure ? 11 : 13, color: "#1d2228" } }));
     const shapes = [];
-    (data.holes || []).forEach((h) => h.u.forEach((place) => {
+    // Labels that would cover each other go one above the other.
+    const labelWidth = (u[u.length - 1] - u[0]) / 8, rowEnds = [];
+    const places = (data.holes || []).flatMap((h) => h.u.map((place) => ({ place, area: h.area }))).sort((a, b) => a.place - b.place);
+    places.forEach(({ place, area }) => {
+      let row = rowEnds.findIndex((end) => place - labelWidth / 2 > end);
+      if (row < 0) row = rowEnds.length;
+      rowEnds[row] = place + labelWidth / 2;
       shapes.push({ type: "line", x0: place, x1: place, y0: 0, y1: v[v.length - 1], line: { color: colours.vermilion, width: 2, dash: "dash" } });
-      annotations.push({ x: place, y: v[v.length - 1], text: "hole, " + h.area + " mm²", showarrow: false, yanchor: "top", font: { size: 12, color: "#b3400b" } });
-    }));
+      annotations.push({ x: place, y: v[v.length - 1], text: "hole, " + area + " mm²", showarrow: false, yanchor: "top", yshift: 15 * row, font: { size: 12, color: "#b3400b" } });
+    });
     (data.interruptions || []).forEach((g) => shapes.push({ type: "rect", x0: g.from, x1: g.to, y0: 0, y1: v[v.length - 1], line: { width: 0 }, fillcolor: "rgba(213,94,0,0.22)" }));
     draw("fig-map", traces, { height: 350, hovermode: "closest", annotations, shapes, margin: { l: 56, r: 8, t: 50, b: 46 },
       xaxis: axis("u, mm along the annulus", { zeroline: false, showgrid: false, constrain: "domain" }),
