@@ -18,7 +18,7 @@ struct StabilityOptions {
   std::filesystem::path mvprep;       // empty: find_mvprep()
   std::string only;                   // part of a name or axis; empty: all
   int jobs = 2;                       // cases at a time, one thread each
-  double case_seconds = 600;          // processor time a case may take; ended after four times as long on the clock
+  double case_seconds = 900;          // processor time a case may take; ended after four times as long on the clock
   const std::atomic<bool>* is_interrupted = nullptr;
 };
 

@@ -14,7 +14,7 @@ StabilityCommand::StabilityCommand(CLI::App& app, const std::atomic<bool>* is_in
   command_->add_flag("--list", is_list_only_, "print the cases and run nothing");
   command_->add_option("--only", options_.only, "run the cases with this in their name or axis");
   command_->add_option("--jobs", options_.jobs, "cases at a time, one thread each (default 2)")->check(CLI::Range(1, 256));
-  command_->add_option("--case-seconds", options_.case_seconds, "processor time that a case may take (default 600)")->check(CLI::Range(1.0, 1e6));
+  command_->add_option("--case-seconds", options_.case_seconds, "processor time that a case may take (default 900)")->check(CLI::Range(1.0, 1e6));
   command_->add_option("--mvprep", options_.mvprep, "the program mvprep (default: beside mvsolve, or in PATH)");
 }
 
