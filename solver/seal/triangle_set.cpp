@@ -52,6 +52,7 @@ TriangleSet::TriangleSet(std::vector<Vec3> points, std::vector<std::array<int, 3
     const Vec3& a = points_[static_cast<std::size_t>(t[0])];
     const Vec3& b = points_[static_cast<std::size_t>(t[1])];
     const Vec3& c = points_[static_cast<std::size_t>(t[2])];
+    corners_.push_back({a, b, c});
     const Vec3 lo = a.cwiseMin(b).cwiseMin(c), hi = a.cwiseMax(b).cwiseMax(c);
     middles_.push_back(0.5 * (lo + hi));
     radii_.push_back(std::sqrt(std::max(
@@ -123,10 +124,7 @@ void TriangleSet::make_buckets() {
 
 // Regions of a triangle in the order of Ericson, Real-Time Collision Detection (2005), section 5.1.5; written anew.
 Vec3 TriangleSet::closest_point(int t, const Vec3& p) const {
-  const auto& c = triangles_[static_cast<std::size_t>(t)];
-  const Vec3& a = points_[static_cast<std::size_t>(c[0])];
-  const Vec3& b = points_[static_cast<std::size_t>(c[1])];
-  const Vec3& d = points_[static_cast<std::size_t>(c[2])];
+  const auto& [a, b, d] = corners_[static_cast<std::size_t>(t)];
   const Vec3 ab = b - a, ad = d - a, ap = p - a;
   const double ab_ap = ab.dot(ap), ad_ap = ad.dot(ap);
   if (ab_ap <= 0 && ad_ap <= 0) return a;
@@ -180,12 +178,17 @@ void TriangleSet::within(const Vec3& p, double radius, NearTriangles& out) const
   std::sort(out.items.begin(), out.items.end());
 }
 
-double TriangleSet::distance_to(const NearTriangles& near, const Vec3& p, double cap) const {
+double TriangleSet::distance_to(const NearTriangles& near, const Vec3& p, double cap, double floor) const {
   const double moved = (p - near.centre).norm();
-  double best = cap;
+  double best = cap, squared = cap * cap;
   for (const auto& [distance, t] : near.items) {
     if (distance - moved >= best) break;
-    if (!is_farther(t, p, best)) best = std::min(best, std::sqrt(squared_distance(t, p)));
+    if (is_farther(t, p, best)) continue;
+    const double d2 = squared_distance(t, p);
+    if (!(d2 < squared)) continue;
+    squared = d2;
+    best = std::sqrt(d2);
+    if (best <= floor) break;
   }
   return best;
 }

@@ -52,8 +52,8 @@ class TriangleSet {
   /// Triangles no further than `radius` from `p`; `out` is overwritten.
   void within(const Vec3& p, double radius, NearTriangles& out) const;
 
-  /// Distance from p to the nearest of `near`, at most `cap`.
-  double distance_to(const NearTriangles& near, const Vec3& p, double cap) const;
+  /// Distance from p to the nearest of `near`, at most `cap`; where it is no more than `floor`, any number up to `floor`.
+  double distance_to(const NearTriangles& near, const Vec3& p, double cap, double floor = -1) const;
 
   /// Nearest triangle, -1 for an empty set.
   int nearest(const Vec3& p) const;
@@ -77,6 +77,7 @@ class TriangleSet {
 
   std::vector<Vec3> points_;
   std::vector<std::array<int, 3>> triangles_;
+  std::vector<std::array<Vec3, 3>> corners_;  // of each triangle, side by side
   std::vector<Vec3> normals_, middles_;
   std::vector<double> radii_;
   Vec3 lower_ = Vec3::Zero(), upper_ = Vec3::Zero();

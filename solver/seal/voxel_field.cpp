@@ -247,8 +247,8 @@ void VoxelField::climb(const NearTriangles& near, const Vec3& centre, double rea
         const Vec3 direction(d % 3 - 1, d / 3 % 3 - 1, d / 9 - 1);
         Vec3 p = from + step / direction.norm() * direction;
         p = p.cwiseMax((centre.array() - reach).matrix()).cwiseMin((centre.array() + reach).matrix());
-        const double value = leaflets_.distance_to(near, p, cap);
-        if (value <= best.value + 1e-3 * step) continue;
+        const double wanted = best.value + 1e-3 * step, value = leaflets_.distance_to(near, p, cap, wanted);
+        if (value <= wanted) continue;
         if ((step > best.value && leaflets_.is_inside(p)) || (by_wall && !is_in_section(p))) continue;
         best = {value, p};
         moved = true;
@@ -257,15 +257,18 @@ void VoxelField::climb(const NearTriangles& near, const Vec3& centre, double rea
   }
 }
 
+// Leaves out samples that are no further than `best` from the surface, when that is given.
 template <class Visit>
-void VoxelField::samples(Voxel v, NearTriangles& near, Visit&& visit) const {
+void VoxelField::samples(Voxel v, NearTriangles& near, Visit&& visit, const double* best) const {
   const double h = grid_.h, d0 = distance(v), reach = half_diagonal * h;
   const Vec3 centre = grid_.centre(v);
   const double cap = std::abs(d0) + reach;
   leaflets_.within(centre, cap + reach, near);
   for (int s = 0; s < 27; ++s) {
     const Vec3 offset = h / 3 * Vec3(s % 3 - 1, s / 3 % 3 - 1, s / 9 - 1);
-    double value = s == 13 ? d0 : leaflets_.distance_to(near, centre + offset, cap);
+    const double floor = best && *best >= 0 ? *best : -1;
+    double value = s == 13 ? d0 : leaflets_.distance_to(near, centre + offset, cap, floor);
+    if (s != 13 && value <= floor) continue;
     if (s != 13 && (std::abs(d0) > offset.norm() ? d0 < 0 : leaflets_.is_inside(centre + offset))) value = -value;
     if (!visit(value, centre + offset)) return;
   }
@@ -286,7 +289,7 @@ float VoxelField::sampled(Voxel v) const {
   samples(v, scratch_, [&](double value, const Vec3& p) {
     if (value > best && !(by_wall && !is_in_section(p))) best = value;
     return true;
-  });
+  }, &best);
   return known = static_cast<float>(best);
 }
 
@@ -303,14 +306,14 @@ float VoxelField::peak(Voxel v) const {
   samples(v, scratch_, [&](double value, const Vec3& p) {
     if (value > best.value && !(by_wall && !is_in_section(p))) best = {value, p};
     return true;
-  });
+  }, &best.value);
   if (best.value <= 0) {  // a gap finer than the samples: look right at the surfaces inside the voxel
     const double reach = 0.5 * grid_.h, off = 0.02 * grid_.h;
     for (const auto& [distance, t] : scratch_.items) {
       if (distance > half_diagonal * grid_.h) break;
       const Vec3 p = leaflets_.closest_point(t, centre) + off * leaflets_.normal(t);
       if (((p - centre).cwiseAbs().array() > reach).any() || (by_wall && !is_in_section(p))) continue;
-      const double value = leaflets_.distance_to(scratch_, p, cap);
+      const double value = leaflets_.distance_to(scratch_, p, cap, best.value);
       if (value > best.value && !leaflets_.is_inside(p)) best = {value, p};
     }
   }

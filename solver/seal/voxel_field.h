@@ -98,7 +98,7 @@ class VoxelField {
   };
   void climb(const NearTriangles& near, const Vec3& centre, double reach, double cap, bool by_wall, Best& best) const;
   template <class Visit>
-  void samples(Voxel v, NearTriangles& near, Visit&& visit) const;
+  void samples(Voxel v, NearTriangles& near, Visit&& visit, const double* best = nullptr) const;
 
   bool is_by_wall(Voxel v) const { return by_wall_[static_cast<std::size_t>(v % (grid_.n[0] * grid_.n[1]))] != 0; }
   bool is_in_section(const Vec3& p) const;
