@@ -87,7 +87,7 @@
       if (row < 0) row = rowEnds.length;
       rowEnds[row] = place + labelWidth / 2;
       shapes.push({ type: "line", x0: place, x1: place, y0: 0, y1: v[v.length - 1], line: { color: colours.vermilion, width: 2, dash: "dash" } });
-      annotations.push({ x: place, y: v[v.length - 1], text: "hole, " + area + " mm²", showarrow: false, yanchor: "bottom", yshift: 15 * row, font: { size: 12, color: "#b3400b" } });
+      annotations.push({ x: place, y: v[v.length - 1], text: "hole, " + area + " mm²", showarrow: false, yanchor: "bottom", yshift: 15 * row, bgcolor: "rgba(255,255,255,0.8)", font: { size: 12, color: "#b3400b" } });
     });
     (data.interruptions || []).forEach((g) => shapes.push({ type: "rect", x0: g.from, x1: g.to, y0: 0, y1: v[v.length - 1], line: { width: 0 }, fillcolor: "rgba(213,94,0,0.22)" }));
     draw("fig-map", traces, { height: 350, hovermode: "closest", annotations, shapes, margin: { l: 56, r: 8, t: 50, b: 46 },
