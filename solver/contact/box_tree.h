@@ -19,6 +19,8 @@ namespace mv {
 class BoxTree {
  public:
   static constexpr int width = 8;
+  /// Lengths of edges for `normal_length`: leaves of a leaflet that is thinner than they are wide keep to one face.
+  static constexpr double normal_edges = 2;
   struct Box {
     Eigen::Array3f lower, upper;
   };
@@ -32,7 +34,7 @@ class BoxTree {
   int slot_count() const { return leaf_count_ * width; }
   int item(int slot) const { return item_[static_cast<std::size_t>(slot)]; }  // -1: empty
 
-  /// Fits all boxes; `box_of(item)` is that of an item. No more than the result depends on the thread count.
+  /// Fits all boxes; `box_of(item)` is that of an item (m; lower above upper: overlaps nothing). Positions must be finite. The result does not depend on the thread count.
   template <class BoxOf>
   void fit(const BoxOf& box_of) {
     parallel_for(

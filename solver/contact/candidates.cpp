@@ -20,8 +20,7 @@ namespace {
 
 using Vec3 = Eigen::Vector3d;
 
-constexpr double normal_length = 2;  // mean edges (BoxTree)
-constexpr float cone_margin = 1e-4F;  // single precision
+constexpr float cone_margin = 1e-3F;  // of angles: the arc cosine of a number that is one but for single precision is wrong by 3e-4
 
 Vec3 point(std::span<const double> x, int node) { return Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(node)); }
 
@@ -115,7 +114,7 @@ CandidateSearch::CandidateSearch(const ContactSurface& surface, double exclusion
     for (int n : t) node_normals[n] += normals.back();
   }
   for (Vec3& n : node_normals) n.stableNormalize();
-  const double length = normal_length * surface_.mean_edge;
+  const double length = BoxTree::normal_edges * surface_.mean_edge;
   tree_ = BoxTree(centres, normals, length);
   node_tree_ = BoxTree(surface_.reference, node_normals, length);
   node_slot_.resize(surface_.nodes.size());
@@ -204,6 +203,7 @@ CandidateSearch::View CandidateSearch::view_of(int node, double turn) const {
   return {axis.cast<float>(), static_cast<float>(std::cos(angle) + 1e-5)};
 }
 
+/// The cone that no node of the group can see into: the narrowest of theirs, less how far their axes lie from the mean one.
 CandidateSearch::Group CandidateSearch::group_of(int leaf, std::span<const double> x, std::span<const View> views) const {
   Group g{{Eigen::Array3f::Constant(std::numeric_limits<float>::infinity()), Eigen::Array3f::Constant(-std::numeric_limits<float>::infinity())}, Eigen::Vector3f::Zero(), 2, 0};
   float largest = -1;

@@ -17,7 +17,6 @@ using Vec3 = Eigen::Vector3d;
 constexpr int shells = 64;
 constexpr double flat_cosine = 0.70710678118654752;
 constexpr double height_room = 1.001;  // over the radius
-constexpr double normal_length = 2;  // mean edges (BoxTree)
 
 Vec3 point(std::span<const double> x, int node) { return Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(node)); }
 
@@ -57,7 +56,7 @@ ClosePairs::ClosePairs(std::span<const double> rest, std::span<const std::array<
     centres.push_back((a + b + c) / 3);
     normals.push_back((b - a).cross(c - a).stableNormalized());
   }
-  tree_ = BoxTree(centres, normals, normal_length * longest_edge(rest));
+  tree_ = BoxTree(centres, normals, BoxTree::normal_edges * longest_edge(rest));
 }
 
 void ClosePairs::find_flat_vertices(std::span<const double> x) {

@@ -11,6 +11,7 @@
 #include "geometry/core/parallel.h"
 #include "solver/contact/box_tree.h"
 #include "solver/contact/contact_kernel.h"
+#include "solver/contact/leaf_heads.h"
 
 namespace mv {
 namespace {
@@ -19,12 +20,6 @@ using Vec3 = Eigen::Vector3d;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr float infinity_f = std::numeric_limits<float>::infinity();
-
-/// Heads of the triangles of a leaf; size: minus infinity where none counts.
-struct alignas(32) LeafHeads {
-  std::array<std::array<float, BoxTree::width>, 3> centre, normal;
-  std::array<float, BoxTree::width> size;
-};
 
 Vec3 at(std::span<const double> x, int node) { return Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(node)); }
 
@@ -61,21 +56,8 @@ void closest_gaps(const ContactSurface& s, const CandidateSearch& rule, std::spa
     const float r = is_master(f) ? static_cast<float>(heads[f].size) + margin : -infinity_f;
     return BoxTree::Box{c - r, c + r};
   });
-  std::vector<LeafHeads> leaves(static_cast<std::size_t>(tree.leaf_count()));
-  parallel_for(
-      tree.leaf_count(),
-      [&](std::ptrdiff_t leaf) {
-        for (int k = 0; k < BoxTree::width; ++k) {
-          const int f = tree.item(static_cast<int>(leaf) * BoxTree::width + k);
-          const bool counts = f >= 0 && is_master(f);
-          for (int c = 0; c < 3; ++c) {
-            leaves[leaf].centre[c][k] = counts ? static_cast<float>(heads[f].centre[c]) : 0;
-            leaves[leaf].normal[c][k] = counts ? static_cast<float>(heads[f].n[c]) : 0;
-          }
-          leaves[leaf].size[k] = counts ? static_cast<float>(heads[f].size) : -infinity_f;
-        }
-      },
-      64);
+  std::vector<LeafHeads> leaves;
+  gather_leaf_heads(tree, [&](int f) { return is_master(f) ? &heads[f] : nullptr; }, leaves);
   const auto find = [&](std::ptrdiff_t n) {
     if (atrial_only && !s.on_atrial_face[n]) return;
     const Vec3 p = at(x, s.nodes[n]);

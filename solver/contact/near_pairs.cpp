@@ -12,21 +12,7 @@ void NearPairs::update(const ContactSurface& surface, const CandidateSearch& sea
                        const SightLimits& limits, double skin, double turn) {
   using Vec3 = Eigen::Vector3d;
   const BoxTree& tree = search.tree();
-  lanes_.resize(static_cast<std::size_t>(tree.leaf_count()));
-  parallel_for(
-      tree.leaf_count(),
-      [&](std::ptrdiff_t leaf) {
-        Lanes& l = lanes_[leaf];
-        for (int k = 0; k < BoxTree::width; ++k) {
-          const int f = tree.item(static_cast<int>(leaf) * BoxTree::width + k);
-          const contact::FacetHead head = f < 0 ? contact::FacetHead{} : heads[static_cast<std::size_t>(f)];
-          const Eigen::Vector3f c = head.centre.cast<float>(), n = head.n.cast<float>();
-          l.cx[k] = c[0], l.cy[k] = c[1], l.cz[k] = c[2];
-          l.nx[k] = n[0], l.ny[k] = n[1], l.nz[k] = n[2];
-          l.size[k] = static_cast<float>(head.size);
-        }
-      },
-      64);
+  gather_leaf_heads(tree, [&](int f) { return &heads[static_cast<std::size_t>(f)]; }, leaves_);
   double largest = 0;  // m; with it the margin for single precision
   for (const contact::FacetHead& head : heads) largest = std::max(largest, head.centre.cwiseAbs().maxCoeff());
   const float margin = static_cast<float>(2e-6 * largest);
@@ -40,10 +26,10 @@ void NearPairs::update(const ContactSurface& surface, const CandidateSearch& sea
     const std::size_t before = list.size();
     const Eigen::Vector3f p = Vec3::Map(x.data() + 3 * static_cast<std::size_t>(surface.nodes[static_cast<std::size_t>(n)])).cast<float>();
     for (const CandidateSearch::Block& block : search.blocks_at(slot)) {
-      const Lanes& l = lanes_[static_cast<std::size_t>(block.leaf)];
-      const Floats dx = p[0] - load_floats(l.cx.data()), dy = p[1] - load_floats(l.cy.data()), dz = p[2] - load_floats(l.cz.data());
+      const LeafHeads& l = leaves_[static_cast<std::size_t>(block.leaf)];
+      const Floats dx = p[0] - load_floats(l.centre[0].data()), dy = p[1] - load_floats(l.centre[1].data()), dz = p[2] - load_floats(l.centre[2].data());
       const Floats squared = dx * dx + dy * dy + dz * dz;
-      const Floats height = load_floats(l.nx.data()) * dx + load_floats(l.ny.data()) * dy + load_floats(l.nz.data()) * dz;
+      const Floats height = load_floats(l.normal[0].data()) * dx + load_floats(l.normal[1].data()) * dy + load_floats(l.normal[2].data()) * dz;
       // d changes by at most skin, height and lateral distance by at most skin + turn |d|, the triangle's size by at most skin.
       const Floats change = least_change + turn_f * square_root(squared);
       const Floats above = height < 0 ? -height : height;

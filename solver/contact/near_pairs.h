@@ -3,12 +3,12 @@
 
 // Second phase of the search: of the candidates of a node (candidates.h), those that can be seen before anything has moved far.
 
-#include <array>
 #include <span>
 #include <vector>
 
 #include "solver/contact/candidates.h"
 #include "solver/contact/contact_kernel.h"
+#include "solver/contact/leaf_heads.h"
 
 namespace mv {
 
@@ -36,12 +36,8 @@ class NearPairs {
   std::size_t slot_of(int node) const { return static_cast<std::size_t>(search_->slot_of(node)); }
 
   const CandidateSearch* search_ = nullptr;
-  /// Heads of the triangles of a leaf.
-  struct alignas(32) Lanes {
-    std::array<float, BoxTree::width> cx, cy, cz, nx, ny, nz, size;
-  };
   std::vector<int> start_{0}, triangle_;  // by slot of `search`
-  std::vector<Lanes> lanes_;             // per leaf
+  std::vector<LeafHeads> leaves_;
   std::vector<std::vector<int>> found_;  // per piece of nodes
 };
 

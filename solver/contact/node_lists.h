@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// One list of numbers per node, all in one array, filled by several threads.
+// One list per node (or per slot of a tree of nodes), all in one array, filled by several threads.
 
 #include <algorithm>
 #include <utility>
@@ -11,7 +11,7 @@
 
 namespace mv {
 
-/// Entries of node n: entry[start[n] .. start[n + 1]), for `nodes` nodes. `fill(n, list)` appends those of node n to `list`. Nodes are handed out in pieces, so that
+/// Entries of node n: entry[start[n] .. start[n + 1]), for `nodes` nodes. `fill(n, list)` appends those of node n to `list`. Nodes are handed out in pieces of 256, in ascending order within each, so that
 /// threads share work that is bunched up; the result does not depend on them. `scratch` keeps its memory between calls.
 template <class Entry, class Fill>
 void fill_node_lists(int nodes, std::vector<std::vector<Entry>>& scratch, std::vector<int>& start, std::vector<Entry>& entry, const Fill& fill) {

@@ -90,7 +90,10 @@ TEST(Layout, a_coarse_mesh_that_does_not_pass_its_gates_is_refined_a_few_times) 
   EXPECT_NE(mv::read_file(dir / "refined/trial_01/case/case.toml").find("spacing = \"1.7 mm\""), std::string::npos);
 
   EXPECT_EQ(gated("hopeless", "0.1"), 5);
-  const std::string error = mv::read_file(dir / "stderr");
+  const std::string error = mv::read_file(dir / "stderr"), again = "again with mesh.spacing";
+  int times = 0;
+  for (auto at = error.find(again); at != std::string::npos; at = error.find(again, at + 1)) ++times;
+  EXPECT_EQ(times, 3);
   EXPECT_NE(error.find("leaflets.spacing_max"), std::string::npos) << error;
   EXPECT_FALSE(std::filesystem::exists(dir / "hopeless/trials.csv"));
 }
