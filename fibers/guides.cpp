@@ -2,6 +2,8 @@
 #include "fibers/guides.h"
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -142,9 +144,8 @@ std::vector<GuidePoint> outline_guides(const LeafletMesh& mesh, const LeafletPat
           best = static_cast<int>(i);
         }
       if (std::sqrt(distance) > options.outline_reach)
-        throw InputError("fibers.outline: the curve point (" + std::to_string(s.x.x()) + ", " + std::to_string(s.x.y()) + ", " + std::to_string(s.x.z()) + ") mm lies " +
-                         std::to_string(std::sqrt(distance)) + " mm from the leaflets; raise fibers.outline_reach (" + std::to_string(options.outline_reach) +
-                         " mm), or check unit and space of the file");
+        throw InputError(fmt::format("fibers.outline: the curve point ({:.1f}, {:.1f}, {:.1f}) mm lies {:.1f} mm from the leaflets; raise fibers.outline_reach ({:.1f} mm), or check unit and space of the file", s.x.x(),
+                                     s.x.y(), s.x.z(), std::sqrt(distance), options.outline_reach));
       if (is_there[at(best)]) samples.push_back(s);
     }
   if (samples.empty()) return given;

@@ -11,24 +11,17 @@
 #include "geometry/core/errors.h"
 #include "geometry/core/version.h"
 #include "pipeline/input_files.h"
+#include "pipeline/interrupt.h"
 
 namespace mv {
 namespace {
 
 const std::string work_prefix = ".stage-";
+const std::string folder_key = "curves.slices";  // the one that may name a folder
 
 std::string quoted(const std::string& text) {
   static const ConfigKey plain{"", "string", Dimension::none, "", std::string(), false, 0, {}, 0, 0, ""};
   return value_text(plain, ConfigValue(text));
-}
-
-void make_directory(const std::filesystem::path& directory) {
-  std::error_code failure;
-  std::filesystem::create_directories(directory, failure);
-  if (failure || !std::filesystem::is_directory(directory)) {
-    throw IoError("cannot create the directory " + directory.string() + ": " +
-                  (failure ? failure.message() : "a file is in the way"));
-  }
 }
 
 /// A file or folder that a key names.
@@ -54,6 +47,8 @@ std::vector<NamedInput> read_inputs(const Config& config, const std::filesystem:
       if (source.empty()) continue;
       const std::string label = is_list ? key.name + "." + std::to_string(i + 1) : key.name;
       const auto path = config.base_directory() / source;
+      if (key.name != folder_key && std::filesystem::is_directory(path))
+        throw IoError(origin.string() + ": key '" + key.name + "' = \"" + source + "\" is a directory; expected a file: " + key.doc);
       try {
         inputs.push_back({key.name, label, source, sha256_of_input(path), read_input(label, path)});
       } catch (const IoError& e) {
@@ -78,6 +73,7 @@ Config set_up_case(const Config& config, const std::filesystem::path& origin, co
   const std::string origin_hash = std::filesystem::exists(origin) ? sha256_of_file(origin) : "";
 
   make_directory(case_directory);
+  const Uninterrupted writes;
   remove_leftovers(case_directory);
   if (!copies.empty()) make_directory(case_directory / "inputs");
   Config resolved = config;
@@ -139,24 +135,18 @@ std::string with_sources(std::string text, const std::filesystem::path& case_dir
 }
 
 StageDirectory::StageDirectory(const std::filesystem::path& case_directory, const std::string& stage)
-    : case_directory_(case_directory), path_(case_directory / (work_prefix + stage + "-" + std::to_string(::getpid()))) {
-  make_directory(path_);
-}
-
-StageDirectory::~StageDirectory() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
+    : case_directory_(case_directory), directory_(case_directory / (work_prefix + stage + "-" + std::to_string(::getpid()))) {}
 
 std::map<std::string, std::string> StageDirectory::publish(const std::vector<std::string>& files) {
   std::map<std::string, std::string> hashes;
   for (const std::string& file : files) {
-    if (!std::filesystem::exists(path_ / file)) throw std::logic_error("the stage has not written " + file);
-    hashes[file] = sha256_of_file(path_ / file);
+    if (!std::filesystem::exists(path() / file)) throw std::logic_error("the stage has not written " + file);
+    hashes[file] = sha256_of_file(path() / file);
   }
+  const Uninterrupted writes;
   for (const std::string& file : files) {
     std::error_code failure;
-    std::filesystem::rename(path_ / file, case_directory_ / file, failure);
+    std::filesystem::rename(path() / file, case_directory_ / file, failure);
     if (failure) throw IoError("cannot replace " + (case_directory_ / file).string() + ": " + failure.message());
   }
   return hashes;

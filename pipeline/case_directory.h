@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "pipeline/interrupt.h"
 #include "pipeline/manifest.h"
 
 namespace mv {
@@ -33,16 +34,14 @@ std::string with_sources(std::string text, const std::filesystem::path& case_dir
 class StageDirectory {
  public:
   StageDirectory(const std::filesystem::path& case_directory, const std::string& stage);
-  ~StageDirectory();
-  StageDirectory(const StageDirectory&) = delete;
-  StageDirectory& operator=(const StageDirectory&) = delete;
 
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& path() const { return directory_.path(); }
   /// Returns file -> SHA-256. Throws std::logic_error when the stage has not written one of them.
   std::map<std::string, std::string> publish(const std::vector<std::string>& files);
 
  private:
-  std::filesystem::path case_directory_, path_;
+  std::filesystem::path case_directory_;
+  UnfinishedDirectory directory_;
 };
 
 /// Removes what a killed run left behind.

@@ -16,6 +16,9 @@
 namespace mv {
 namespace {
 
+constexpr double head_reach = 30;   // mm, of points of a papillary muscle from its tip
+constexpr double unheld_edge = 18;  // mm of free edge to the next chorda
+
 constexpr double cm_per_mm = 0.1;
 constexpr double degrees = 57.29577951308232;
 
@@ -69,9 +72,32 @@ DensityOptions density_options(const Config& config, double scale) {
   return o;
 }
 
-std::vector<Vec3> heads_of(const Config& config) {
+std::vector<Vec3> heads_of(const Config& config, const Papillary& papillary) {
   if (config.text("chordae.heads").empty()) return {};
-  return read_points_csv(config.path("chordae.heads"));
+  const auto file = config.path("chordae.heads");
+  const std::vector<Vec3> heads = read_points_csv(file);
+  for (const Vec3& head : heads) {
+    double nearest = 1e300;
+    for (const Vec3& tip : papillary.tips) nearest = std::min(nearest, (head - tip).norm());
+    if (nearest > head_reach)
+      throw InputError(fmt::format("{}: the point ({:.1f}, {:.1f}, {:.1f}) mm lies {:.0f} mm from the nearest papillary tip, more than {:.0f} mm: another unit or space, or of another valve?", file.string(), head.x(),
+                                   head.y(), head.z(), nearest, head_reach));
+  }
+  return heads;
+}
+
+/// A free edge that no chorda holds flails into the atrium.
+void warn_of_unheld_edge(const LeafletMesh& mesh, const Chordae& chordae) {
+  double longest = 0;
+  Vec3 where = Vec3::Zero();
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+    if (!mesh.on_free_edge[i]) continue;
+    double nearest = 1e300;
+    for (const Insertion& insertion : chordae.insertions) nearest = std::min(nearest, (mesh.points[static_cast<std::size_t>(insertion.node)] - mesh.points[i]).norm());
+    if (nearest > longest) longest = nearest, where = mesh.points[i];
+  }
+  if (longest > unheld_edge)
+    spdlog::warn("chordae: the free edge near ({:.1f}, {:.1f}, {:.1f}) mm is {:.0f} mm from the nearest chorda's end: what nothing holds flails; expected ends every 5 to 15 mm", where.x(), where.y(), where.z(), longest);
 }
 
 Chordae from_file(const StageContext& context, const LeafletMesh& mesh, const Papillary& papillary, std::string& summary) {
@@ -82,7 +108,7 @@ Chordae from_file(const StageContext& context, const LeafletMesh& mesh, const Pa
   reading.unit = config.text("chordae.file_unit");
   reading.space = config.text("chordae.file_space") == "lps" ? ChordaeSpace::lps : ChordaeSpace::ras;
   SegmentedReport report;
-  Chordae chordae = attach_chordae(mesh, papillary, heads_of(config), read_chordae_file(config.path("chordae.file"), reading), file_options(config), &report);
+  Chordae chordae = attach_chordae(mesh, papillary, heads_of(config, papillary), read_chordae_file(config.path("chordae.file"), reading), file_options(config), &report);
   for (const std::string& note : report.notes) spdlog::warn("chordae: {}", note);
   summary = fmt::format("{} trees with {} branch points, {} roots, {} leaflet ends moved {:.2f} mm on average ({:.2f} at most); ", report.trees, report.branch_points, report.roots,
                         report.ends, report.end_moved_mean, report.end_moved_max);
@@ -91,7 +117,7 @@ Chordae from_file(const StageContext& context, const LeafletMesh& mesh, const Pa
 
 Chordae by_density(const StageContext& context, const LeafletMesh& mesh, const Annulus& annulus, const Papillary& papillary, double scale, std::string& summary) {
   DensityReport report;
-  Chordae chordae = density_chordae(mesh, annulus, papillary, heads_of(context.config), density_options(context.config, scale), &report);
+  Chordae chordae = density_chordae(mesh, annulus, papillary, heads_of(context.config, papillary), density_options(context.config, scale), &report);
   for (const std::string& note : report.notes) spdlog::warn("chordae: {}", note);
   summary = fmt::format("{} border and {} inner ends, {} of them on branches, belt {:.1f} mm on average; ", report.border_ends, report.inner_ends, report.branched_ends, report.belt_mean);
   return chordae;
@@ -117,6 +143,7 @@ std::string run_chordae_stage(const StageContext& context) {
     else
       chordae = generic_chordae(mesh, annulus, papillary, generic_options(context.config, source.scale));
   }
+  if (!chordae.insertions.empty()) warn_of_unheld_edge(read_leaflets(context.in("leaflets.vtu")), chordae);
   write_chordae(context.out("chordae.vtp"), chordae);
   return summary + fmt::format("{} segments, {} insertion weights", chordae.segments.size(), chordae.insertions.size());
 }

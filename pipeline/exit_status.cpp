@@ -2,13 +2,15 @@
 #include "pipeline/exit_status.h"
 
 #include <exception>
+#include <filesystem>
 
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
-#include "pipeline/interrupt.h"
 
 namespace mv {
 namespace {
+
+constexpr std::size_t longest_path = 200;  // characters of it in a message
 
 int fail(ExitCode code, const std::string& message) {
   if (!message.empty()) spdlog::error("{}", message);
@@ -23,8 +25,8 @@ int exit_status(const std::function<void()>& program) {
     return static_cast<int>(ExitCode::done);
   } catch (const Error& e) {
     return fail(e.code(), e.what());
-  } catch (const Interrupted&) {
-    return fail(ExitCode::interrupted, "interrupted; finished stages are kept, run the same command to go on");
+  } catch (const std::filesystem::filesystem_error& e) {
+    return fail(ExitCode::io, (e.path1().empty() ? std::string() : e.path1().string().substr(0, longest_path) + ": ") + e.code().message());
   } catch (const std::exception& e) {
     return fail(ExitCode::bug, std::string("this is a bug, please report it: ") + e.what());
   } catch (...) {

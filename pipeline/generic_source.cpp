@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "geometry/annulus/annulus_check.h"
 #include "geometry/annulus/annulus_fit.h"
 #include "geometry/annulus/closed_curve.h"
 #include "geometry/core/case_files.h"
@@ -57,18 +58,20 @@ std::optional<Vec3> given_anterior_direction(const Config& config) {
   return Vec3(d[0], d[1], d[2]);
 }
 
-GenericValve valve_on_real_annulus(const Config& config, const std::vector<Vec3>& papillary_points, double spacing) {
+GenericValve valve_on_real_annulus(const Config& config, const std::vector<Vec3>& papillary_points, double spacing, std::vector<std::string>& notes) {
   CurveReport curve_report;
-  std::vector<Vec3> curve = clean_closed_curve(read_points_csv(config.path("generic.annulus")), &curve_report);
+  const auto file = config.path("generic.annulus");
+  std::vector<Vec3> curve = clean_closed_curve(read_points_csv(file), &curve_report, file.string());
   const auto harmonics = static_cast<int>(config.integer("generic.smoothing_harmonics"));
+  notes = check_annulus_curve(curve, file.string(), harmonics);
+  if (curve_report.spikes_removed > 0) notes.push_back(fmt::format("{}: {} points where the annulus turns back by more than 120 degrees were left out", file.string(), curve_report.spikes_removed));
+  if (!papillary_points.empty())
+    for (const std::string& note : check_papillary_points(papillary_points, curve, config.path("generic.papillary").string())) notes.push_back(note);
   if (harmonics > 0) curve = smooth_closed_curve(curve, harmonics, 720, &curve_report);
   spdlog::info(
       "annulus: {} points read, {} duplicates and {} spikes removed, smoothing moved it by {:.2f} mm rms, {:.2f} mm at most",
       curve_report.points_read, curve_report.duplicates_removed, curve_report.spikes_removed, curve_report.smoothing_rms,
       curve_report.smoothing_max);
-  NormalHints hints;
-  hints.papillary_points = papillary_points;
-  const Annulus annulus = fit_annulus(curve, hints);
   const auto given = given_anterior_direction(config);
   if (!given && papillary_points.empty()) {
     throw ConfigError(
@@ -76,9 +79,16 @@ GenericValve valve_on_real_annulus(const Config& config, const std::vector<Vec3>
         "leaflet "
         "lies; expected a vector such as [0, 1, 0] or a papillary CSV");
   }
-  const AnteriorDirection anterior = find_anterior_direction(annulus, papillary_points, given);
-  spdlog::info("annulus: normal by {}, anterior leaflet by rule: {}", annulus.sign_rule, anterior.rule);
-  return build_generic_valve(parameters_of(config), spacing, annulus, anterior.direction);
+  NormalHints hints;
+  hints.papillary_points = papillary_points;
+  try {
+    const Annulus annulus = fit_annulus(curve, hints);
+    const AnteriorDirection anterior = find_anterior_direction(annulus, papillary_points, given);
+    spdlog::info("annulus: normal by {}, anterior leaflet by rule: {}", annulus.sign_rule, anterior.rule);
+    return build_generic_valve(parameters_of(config), spacing, annulus, anterior.direction);
+  } catch (const InputError& e) {
+    throw InputError(file.string() + ": " + e.what());
+  }
 }
 
 }  // namespace
@@ -89,10 +99,9 @@ SourceGeometry make_generic_source(const Config& config) {
   std::vector<Vec3> papillary_points;
   if (!config.text("generic.papillary").empty()) papillary_points = read_points_csv(config.path("generic.papillary"));
 
-  const GenericValve valve =
-      is_real ? valve_on_real_annulus(config, papillary_points, spacing) : build_generic_valve(parameters_of(config), spacing);
-
   SourceGeometry source;
+  const GenericValve valve =
+      is_real ? valve_on_real_annulus(config, papillary_points, spacing, source.notes) : build_generic_valve(parameters_of(config), spacing);
   source.surface = valve.mid_surface;
   source.annulus_curve = valve.annulus.points;
   source.anterior_direction = valve.anterior_direction;

@@ -4,29 +4,82 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <mutex>
+#include <set>
+#include <thread>
+
 #include "geometry/core/errors.h"
+#include "geometry/core/log.h"
+#include "geometry/core/program.h"
 
 namespace mv {
 namespace {
 
-volatile sig_atomic_t interrupts = 0;
+using namespace std::chrono_literals;
 
-void on_interrupt(int) {
-  interrupts = interrupts + 1;
-  if (interrupts > 1) _exit(static_cast<int>(ExitCode::interrupted));
+constexpr auto longest_write = 10s;
+
+// Never destroyed: the watching thread outlives main.
+std::recursive_timed_mutex& writing = *new std::recursive_timed_mutex;
+std::mutex& list = *new std::mutex;
+std::set<std::filesystem::path>& unfinished = *new std::set<std::filesystem::path>;
+
+sigset_t interrupts() {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGINT);
+  sigaddset(&set, SIGTERM);
+  return set;
+}
+
+[[noreturn]] void end_program() {
+  writing.try_lock_for(longest_write);  // and never given back
+  end_running_programs();
+  {
+    const std::lock_guard lock(list);
+    std::error_code ignored;
+    for (const auto& directory : unfinished) std::filesystem::remove_all(directory, ignored);
+  }
+  spdlog::error("interrupted; finished stages are kept, run the same command to go on");
+  _exit(static_cast<int>(ExitCode::interrupted));
 }
 
 }  // namespace
 
 void catch_interrupts() {
-  struct sigaction action {};
-  action.sa_handler = on_interrupt;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
   signal(SIGPIPE, SIG_IGN);
   signal(SIGXFSZ, SIG_IGN);
+  const sigset_t set = interrupts();
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);  // inherited by every later thread
+  std::thread([set] {
+    int signal = 0;
+    while (sigwait(&set, &signal) != 0) continue;
+    end_program();
+  }).detach();
 }
 
-bool is_interrupted() { return interrupts > 0; }
+Uninterrupted::Uninterrupted() { writing.lock(); }
+Uninterrupted::~Uninterrupted() { writing.unlock(); }
+
+UnfinishedDirectory::UnfinishedDirectory(const std::filesystem::path& path) : path_(path) {
+  const std::lock_guard lock(list);
+  make_directory(path_);
+  unfinished.insert(path_);
+}
+
+UnfinishedDirectory::~UnfinishedDirectory() {
+  const std::lock_guard lock(list);
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+  unfinished.erase(path_);
+}
+
+void make_directory(const std::filesystem::path& directory) {
+  std::error_code failure;
+  std::filesystem::create_directories(directory, failure);
+  if (failure || !std::filesystem::is_directory(directory))
+    throw IoError("cannot create the directory " + directory.string() + ": " + (failure ? failure.message() : "a file is in the way"));
+}
 
 }  // namespace mv

@@ -22,7 +22,6 @@
 #include "geometry/core/program.h"
 #include "geometry/core/vtk_dataset.h"
 #include "pipeline/case_directory.h"
-#include "pipeline/interrupt.h"
 #include "pipeline/layout_rules.h"
 #include "pipeline/runner.h"
 #include "pipeline/source_file.h"
@@ -139,7 +138,6 @@ class LayoutSearch {
     best_ = first;
     prepare();
     for (int k = 2; k <= options_.trials && best_.area() > options_.target_area; ++k) {
-      if (is_interrupted()) throw Interrupted{};
       const std::vector<Attempt> attempts = next_attempts();
       if (attempts.empty()) break;
       Chordae next = best_.chordae;

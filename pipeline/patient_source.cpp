@@ -6,12 +6,15 @@
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
+#include "geometry/annulus/annulus_check.h"
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
 #include "geometry/generic/generic_valve.h"
 
 namespace mv {
 namespace {
+
+constexpr double nearest_commissures = 5;  // mm
 
 Vec3 vector_of(const Config& config, const char* key, double unit) {
   const auto& values = config.numbers(key);
@@ -78,11 +81,17 @@ void apply_patient_keys(const Config& config, RawLeaflets& raw) {
     target = read_points_csv(config.path(key));
     return true;
   };
-  points_of("patient.annulus", raw.annulus_curve);
+  if (points_of("patient.annulus", raw.annulus_curve)) {
+    const std::string file = config.path("patient.annulus").string();
+    for (const std::string& note : check_annulus_curve(clean_closed_curve(raw.annulus_curve, nullptr, file), file)) raw.notes.push_back(note);
+  }
   if (points_of("patient.papillary", raw.papillary_points)) raw.papillary_names.clear();
   if (points_of("patient.commissures", raw.commissures) && raw.commissures.size() != 2)
     throw InputError(fmt::format("{}: {} points, expected the two commissures", config.path("patient.commissures").string(),
                                  raw.commissures.size()));
+  if (!config.text("patient.commissures").empty() && (raw.commissures[0] - raw.commissures[1]).norm() < nearest_commissures)
+    throw InputError(fmt::format("{}: the two commissures lie {:.2f} mm apart; expected 15 to 50 mm: one of them twice, or another unit?", config.path("patient.commissures").string(),
+                                 (raw.commissures[0] - raw.commissures[1]).norm()));
   if (!config.is_auto("patient.anterior_point")) raw.anterior_hint = vector_of(config, "patient.anterior_point", unit_factor("mm"));
   if (!config.is_auto("patient.ventricle_direction")) {
     raw.ventricle_direction = vector_of(config, "patient.ventricle_direction", 1);
@@ -114,7 +123,10 @@ SourceGeometry to_source_geometry(const LeafletSurface& leaflets, const Config& 
 
 SourceGeometry make_patient_source(const Config& config, RawLeaflets raw) {
   apply_patient_keys(config, raw);
-  const LeafletSurface leaflets = build_leaflet_surface(raw, leaflet_surface_options(config));
+  LeafletSurface leaflets = build_leaflet_surface(raw, leaflet_surface_options(config));
+  const std::string name = config.text("patient.papillary").empty() ? "papillary points" : config.path("patient.papillary").string();
+  if (!raw.papillary_points.empty())
+    for (const std::string& note : check_papillary_points(raw.papillary_points, leaflets.annulus.points, name)) leaflets.report.notes.push_back(note);
   const LeafletSurfaceReport& r = leaflets.report;
   spdlog::info("leaflets: annulus by {}, atrial side by {}, leaflets by {}", r.annulus_rule, r.normal_rule, r.region_rule);
   spdlog::info("leaflets: smoothing moved the annulus by {:.2f} mm rms, {:.2f} mm at most, the surface by {:.2f} mm mean, {:.2f} mm at most",

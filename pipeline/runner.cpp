@@ -55,6 +55,7 @@ void execute(const Stage& stage, const Config& config, const std::filesystem::pa
   } catch (const ConfigError& e) {
     throw ConfigError(with_sources(e.what(), case_directory));
   }
+  const Uninterrupted writes;
   record.outputs = work.publish(stage.outputs);
   forget_completions(stage, manifest);
   manifest.stages[stage.name] = record;
@@ -70,7 +71,6 @@ void run_all_stages(const Config& config, const std::filesystem::path& case_dire
   if (from) find_stage(*from);
   bool is_forced = false;
   for (const Stage& stage : stage_table()) {
-    if (is_interrupted()) throw Interrupted{};
     is_forced = is_forced || (from && stage.name == *from);
     for (const std::string& file : changed_outputs(stage, manifest, case_directory)) {
       spdlog::warn("{} was changed since mvprep wrote it; stage {} makes it again", file, stage.name);
@@ -82,6 +82,7 @@ void run_all_stages(const Config& config, const std::filesystem::path& case_dire
     try {
       execute(stage, config, case_directory, manifest, on_stage);
     } catch (...) {
+      const Uninterrupted writes;
       const bool has_verdict = stage.name == "gates";
       std::vector<std::string> stale = stages_after(stage.name);
       stale.push_back(stage.name);

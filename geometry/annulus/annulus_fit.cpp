@@ -39,7 +39,7 @@ Vec3 in_plane(const Vec3& v, const Vec3& normal) { return v - v.dot(normal) * no
 
 }  // namespace
 
-Annulus fit_annulus(const std::vector<Vec3>& closed_curve, const NormalHints& hints) {
+Annulus fit_annulus_plane(const std::vector<Vec3>& closed_curve) {
   if (closed_curve.size() < 8) throw InputError("annulus: at least 8 points are needed for a plane");
   for (const Vec3& p : closed_curve)
     if (!p.allFinite()) throw InputError("annulus: a point is not finite");
@@ -62,7 +62,15 @@ Annulus fit_annulus(const std::vector<Vec3>& closed_curve, const NormalHints& hi
   double squares = 0;
   for (const Vec3& p : closed_curve) squares += std::pow((p - annulus.origin).dot(annulus.normal), 2);
   annulus.residual_rms = std::sqrt(squares / static_cast<double>(closed_curve.size()));
+  // The largest component of the major axis is positive, so that the frame does not depend on the eigensolver.
+  Eigen::Index largest = 0;
+  annulus.axis_major.cwiseAbs().maxCoeff(&largest);
+  if (annulus.axis_major[largest] < 0) annulus.axis_major = -annulus.axis_major;
+  return annulus;
+}
 
+Annulus fit_annulus(const std::vector<Vec3>& closed_curve, const NormalHints& hints) {
+  Annulus annulus = fit_annulus_plane(closed_curve);
   Vec3 towards = -Vec3::UnitZ();
   annulus.sign_rule = "assumed -z (superior is atrial)";
   if (hints.ventricle_direction) {
@@ -78,10 +86,6 @@ Annulus fit_annulus(const std::vector<Vec3>& closed_curve, const NormalHints& hi
         "annulus: the rule '" + annulus.sign_rule +
         "' does not tell the ventricular side, the direction lies in the annulus plane; give papillary points or a direction");
   if (cosine < 0) annulus.normal = -annulus.normal;
-  // The largest component of the major axis is positive, so that the frame does not depend on the eigensolver.
-  Eigen::Index largest = 0;
-  annulus.axis_major.cwiseAbs().maxCoeff(&largest);
-  if (annulus.axis_major[largest] < 0) annulus.axis_major = -annulus.axis_major;
   return annulus;
 }
 

@@ -30,6 +30,8 @@ struct NormalHints {
 /// (superior is atrial)". `points` is the curve as given. Throws InputError for fewer than 8 points, a degenerate (straight)
 /// curve, or hints that lie in the plane.
 Annulus fit_annulus(const std::vector<Vec3>& closed_curve, const NormalHints& hints);
+/// The plane alone: the sign of the normal means nothing, sign_rule is empty.
+Annulus fit_annulus_plane(const std::vector<Vec3>& closed_curve);
 
 /// Two papillary tips. More than two points are split into two groups (2-means started from the two farthest points), each tip
 /// being its group's mean. Names: seen from the atrium with the anterior leaflet up, the anterolateral tip is on the left: side =

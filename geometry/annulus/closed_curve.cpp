@@ -15,6 +15,7 @@ namespace {
 constexpr std::size_t fewest_points = 8;
 /// A measured annulus never turns back on itself; a sharper turn than this is a digitising spike.
 const double spike_cosine = std::cos(120.0 * std::numbers::pi / 180.0);
+constexpr double most_spikes = 0.5;  // of the points; noise as large as their distance stays below
 
 double extent(const std::vector<Vec3>& points) {
   Vec3 lower = points.front(), upper = points.front();
@@ -23,6 +24,14 @@ double extent(const std::vector<Vec3>& points) {
     upper = upper.cwiseMax(p);
   }
   return (upper - lower).norm();
+}
+
+bool is_straight(const std::vector<Vec3>& points) {
+  const double size = extent(points);
+  return std::all_of(points.begin(), points.end(), [&](const Vec3& p) {
+    const Vec3 along = points[1] - points[0];
+    return along.cross(p - points[0]).norm() <= 1e-6 * size * along.norm();
+  });
 }
 
 /// Cumulative chord length; the last entry is the closed length.
@@ -57,19 +66,20 @@ Vec3 catmull_rom(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, dou
 
 }  // namespace
 
-std::vector<Vec3> clean_closed_curve(const std::vector<Vec3>& points, CurveReport* report) {
+std::vector<Vec3> clean_closed_curve(const std::vector<Vec3>& points, CurveReport* report, const std::string& name) {
   CurveReport local;
   local.points_read = static_cast<int>(points.size());
   for (std::size_t i = 0; i < points.size(); ++i)
-    if (!points[i].allFinite()) throw InputError("annulus curve: point " + std::to_string(i) + " is not finite");
+    if (!points[i].allFinite()) throw InputError(name + ": point " + std::to_string(i) + " is not finite");
   if (points.size() < fewest_points)
-    throw InputError("annulus curve: " + std::to_string(points.size()) + " points, at least 8 are needed");
+    throw InputError(name + ": " + std::to_string(points.size()) + " points, at least 8 are needed");
   const double tolerance = 1e-6 * extent(points);
   std::vector<Vec3> kept;
   for (const Vec3& p : points)
     if (kept.empty() || (p - kept.back()).norm() > tolerance) kept.push_back(p);
   while (kept.size() > 1 && (kept.front() - kept.back()).norm() <= tolerance) kept.pop_back();
   local.duplicates_removed = static_cast<int>(points.size() - kept.size());
+  if (kept.size() >= fewest_points && is_straight(kept)) throw InputError(name + ": the points lie on a line, no plane can be fitted");
   for (std::size_t i = 0; i < kept.size() && kept.size() > fewest_points;) {
     const std::size_t n = kept.size();
     const Vec3 before = kept[i] - kept[(i + n - 1) % n], after = kept[(i + 1) % n] - kept[i];
@@ -81,8 +91,11 @@ std::vector<Vec3> clean_closed_curve(const std::vector<Vec3>& points, CurveRepor
       ++i;
     }
   }
+  if (local.spikes_removed > most_spikes * local.points_read)
+    throw InputError(name + ": the points of the annulus are not in order: the curve turns back at " + std::to_string(local.spikes_removed) + " of " + std::to_string(local.points_read) +
+                     "; list them one after the other around the annulus");
   if (kept.size() < fewest_points)
-    throw InputError("annulus curve: only " + std::to_string(kept.size()) + " distinct points remain, at least 8 are needed");
+    throw InputError(name + ": only " + std::to_string(kept.size()) + " distinct points remain, at least 8 are needed");
   if (report) *report = local;
   return kept;
 }

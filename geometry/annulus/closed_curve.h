@@ -3,6 +3,7 @@
 
 // Closed space curves: cleaning of measured points, smoothing, and a smooth periodic curve by arc length (mm).
 
+#include <string>
 #include <vector>
 
 #include "geometry/core/case.h"
@@ -21,8 +22,9 @@ struct CurveReport {
 };
 
 /// Removes duplicates and out-and-back spikes from an ordered closed curve; the order is kept, the last point is not repeated.
-/// Throws InputError when fewer than 8 points remain or a coordinate is not finite.
-std::vector<Vec3> clean_closed_curve(const std::vector<Vec3>& points, CurveReport* report = nullptr);
+/// Throws InputError, which begins with `name`, when fewer than 8 points remain, a coordinate is not finite, or half of the
+/// points are spikes: not in order.
+std::vector<Vec3> clean_closed_curve(const std::vector<Vec3>& points, CurveReport* report = nullptr, const std::string& name = "annulus curve");
 
 /// Smooth closed curve x(u), u = arc length in [0, length). Interpolates `ordered` by a periodic Catmull-Rom spline that is
 /// re-sampled uniformly by arc length: |dx/du| = 1 to about (sampling distance / radius of curvature)^2. u is taken modulo the

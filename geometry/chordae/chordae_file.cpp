@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/chordae/chordae_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,6 +13,8 @@
 
 namespace mv {
 namespace {
+
+constexpr double thinnest = 1e-3, thickest = 100;  // mm2, as of chordae.area_*
 
 constexpr std::array<const char*, 5> kind_names{"primary", "secondary", "strut", "basal", "marginal"};
 
@@ -26,7 +30,7 @@ double mm_per(const std::string& unit) {
 
 }  // namespace
 
-double area_of_radius(double radius) { return std::numbers::pi * radius * radius; }
+double area_of_radius(double radius) { return std::numbers::pi * radius * std::abs(radius); }
 
 NetworkBuilder::NetworkBuilder(std::filesystem::path file, const ChordaeFileOptions& options)
     : file_(std::move(file)), scale_(mm_per(options.unit)), weld_(options.weld), flip_(options.space == ChordaeSpace::lps ? -1 : 1) {
@@ -69,8 +73,11 @@ void NetworkBuilder::segment(int a, int b, const Segment& values, const std::str
     ++repeated_;
     return;
   }
+  const double area = values.area * (area_scale > 0 ? area_scale : scale_ * scale_);
+  if (area < thinnest || area > thickest)
+    throw InputError(fmt::format("{}: {}: a cross-section of {:.3g} mm2, expected {} to {} mm2: another unit, or a radius for a diameter?", file_.string(), where, area, thinnest, thickest));
   raw_.segments.push_back({a, b});
-  raw_.area.push_back(values.area * (area_scale > 0 ? area_scale : scale_ * scale_));
+  raw_.area.push_back(area);
   raw_.rest_length.push_back(values.rest_length * (length_scale > 0 ? length_scale : scale_));
   raw_.kind.push_back(values.kind);
 }

@@ -9,24 +9,17 @@
 #include "geometry/chordae/network_builder.h"
 #include "geometry/core/case_files.h"
 #include "geometry/core/config.h"
+#include "geometry/core/csv_table.h"
 #include "geometry/core/errors.h"
 
 namespace mv {
 namespace {
 
+constexpr const char* csv_header = "x0,y0,z0,x1,y1,z1 and optional radius, diameter, area, rest_length, kind, from, to";
+
 std::string trimmed(const std::string& text) {
   const auto a = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF"), b = text.find_last_not_of(" \t\r\n");
   return a == std::string::npos ? "" : text.substr(a, b - a + 1);
-}
-
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> out;
-  for (std::size_t start = 0;;) {
-    const auto comma = line.find(',', start);
-    out.push_back(trimmed(line.substr(start, comma == std::string::npos ? comma : comma - start)));
-    if (comma == std::string::npos) return out;
-    start = comma + 1;
-  }
 }
 
 double number(const std::string& text, const std::string& where) {
@@ -65,19 +58,17 @@ struct CsvColumns {
   bool has(const std::string& name) const { return index.count(name) > 0; }
 };
 
-CsvColumns read_header(const std::string& line, const std::string& file) {
+CsvColumns read_header(const CsvTable& table) {
   CsvColumns columns;
-  const auto names = cells_of(line);
-  for (std::size_t c = 0; c < names.size(); ++c) {
+  for (std::size_t c = 0; c < table.columns().size(); ++c) {
     double to_mm = 0;
-    const std::string name = split_unit(names[c], to_mm, file + ": line 1");
+    const std::string name = split_unit(table.columns()[c], to_mm, table.file() + ": line 1");
     if (name.empty()) continue;
     columns.index[name] = c;
     columns.to_mm[name] = to_mm;
   }
   for (const char* needed : {"x0", "y0", "z0", "x1", "y1", "z1"})
-    if (!columns.has(needed))
-      throw InputError(file + ": line 1: column '" + needed + "' (or '" + needed + "_mm') is missing; expected x0,y0,z0,x1,y1,z1 and optional radius, diameter, area, rest_length, kind, from, to");
+    if (!columns.has(needed)) throw InputError(fmt::format("{}: line 1: column '{}' (or '{}_mm') is missing; expected {}", table.file(), needed, needed, csv_header));
   return columns;
 }
 
@@ -85,36 +76,27 @@ CsvColumns read_header(const std::string& line, const std::string& file) {
 
 RawChordae read_chordae_csv(const std::filesystem::path& file, const ChordaeFileOptions& options) {
   NetworkBuilder network(file, options);
-  std::istringstream in(read_file(file));
-  std::string line;
-  if (!std::getline(in, line)) throw InputError(file.string() + ": empty file, expected the header x0,y0,z0,x1,y1,z1");
-  const CsvColumns columns = read_header(line, file.string());
-  for (int row = 2; std::getline(in, line); ++row) {
-    if (trimmed(line).empty()) continue;
-    const auto cells = cells_of(line);
-    const std::string where = "line " + std::to_string(row), place = file.string() + ": " + where;
-    const auto text = [&](const std::string& name) -> const std::string& {
-      const std::size_t c = columns.index.at(name);
-      if (c >= cells.size()) throw InputError(place + ": " + name + " is missing");
-      return cells[c];
-    };
-    // Factor from the column to the file's unit, which the builder turns into mm.
-    const auto length = [&](const std::string& name) {
+  const CsvTable table(file, csv_header);
+  const CsvColumns columns = read_header(table);
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const std::string where = table.line(row), place = table.where(row);
+    const auto text = [&](const std::string& name) -> const std::string& { return table.text(row, columns.index.at(name)); };
+    const auto is_given = [&](const std::string& name) { return columns.has(name) && !text(name).empty(); };
+    const auto factor = [&](const std::string& name) {  // from the column to the file's unit, which the builder turns into mm
       const double own = columns.to_mm.at(name);
-      return number(text(name), place + ": " + name) * (own > 0 ? own / network.scale() : 1.0);
+      return own > 0 ? own / (name == "area" ? network.scale() * network.scale() : network.scale()) : 1.0;
     };
-    const int a = network.point({length("x0"), length("y0"), length("z0")}, where), b = network.point({length("x1"), length("y1"), length("z1")}, where);
+    const auto value = [&](const std::string& name) { return table.number(row, columns.index.at(name)) * factor(name); };
+    const int a = network.point({value("x0"), value("y0"), value("z0")}, where), b = network.point({value("x1"), value("y1"), value("z1")}, where);
     NetworkBuilder::Segment values;
-    if (columns.has("area") && !text("area").empty()) {
-      const double own = columns.to_mm.at("area");
-      values.area = number(text("area"), place + ": area") * (own > 0 ? own / (network.scale() * network.scale()) : 1.0);
-    } else if (columns.has("radius") && !text("radius").empty()) {
-      values.area = area_of_radius(length("radius"));
-    } else if (columns.has("diameter") && !text("diameter").empty()) {
-      values.area = area_of_radius(0.5 * length("diameter"));
-    }
-    if (columns.has("rest_length") && !text("rest_length").empty()) values.rest_length = length("rest_length");
-    if (columns.has("kind") && !text("kind").empty()) values.kind = static_cast<int>(chorda_kind_from_name(text("kind"), place));
+    if (is_given("area"))
+      values.area = value("area");
+    else if (is_given("radius"))
+      values.area = area_of_radius(value("radius"));
+    else if (is_given("diameter"))
+      values.area = area_of_radius(0.5 * value("diameter"));
+    if (is_given("rest_length")) values.rest_length = value("rest_length");
+    if (is_given("kind")) values.kind = static_cast<int>(chorda_kind_from_name(text("kind"), place));
     for (const auto& [column, p] : {std::pair("from", a), std::pair("to", b)}) {
       if (!columns.has(column)) continue;
       const std::string& role = text(column);

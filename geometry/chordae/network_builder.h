@@ -49,7 +49,7 @@ class NetworkBuilder {
   int without_length_ = 0, repeated_ = 0;
 };
 
-/// pi r2
+/// pi r2; negative for a negative radius, so that segment() finds it.
 double area_of_radius(double radius);
 
 RawChordae read_chordae_vtk(const std::filesystem::path& file, const ChordaeFileOptions& options);   // .vtp and .vtk

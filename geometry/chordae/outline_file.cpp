@@ -3,15 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "geometry/chordae/network_builder.h"
 #include "geometry/core/case_files.h"
+#include "geometry/core/csv_table.h"
 #include "geometry/core/errors.h"
 
 namespace mv {
@@ -19,45 +15,17 @@ namespace {
 
 using Curves = std::vector<std::vector<Vec3>>;
 
-std::string trimmed(const std::string& text) {
-  const auto a = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF"), b = text.find_last_not_of(" \t\r\n");
-  return a == std::string::npos ? "" : text.substr(a, b - a + 1);
-}
-
 Curves read_csv(const std::filesystem::path& file) {
-  std::istringstream in(read_file(file));
-  std::string line;
-  std::getline(in, line);
-  const auto split = [](const std::string& row) {
-    std::vector<std::string> cells;
-    std::istringstream cut(row);
-    for (std::string c; std::getline(cut, c, ',');) cells.push_back(trimmed(c));
-    return cells;
-  };
-  std::map<std::string, std::size_t> column;
-  for (const auto& names = split(line); const auto& name : names) column[name] = static_cast<std::size_t>(&name - names.data());
-  for (const char* needed : {"x_mm", "y_mm", "z_mm"})
-    if (!column.count(needed)) throw InputError(file.string() + ": line 1: column " + needed + " is missing; expected x_mm,y_mm,z_mm and, for several curves, curve");
+  const CsvTable table(file, "x_mm,y_mm,z_mm and, for several curves, curve");
+  const std::size_t x = table.column("x_mm"), y = table.column("y_mm"), z = table.column("z_mm");
+  const auto of_curve = table.find("curve");
   Curves curves;
   std::string current;
-  for (int row = 2; std::getline(in, line); ++row) {
-    if (trimmed(line).empty()) continue;
-    const auto cells = split(line);
-    Vec3 x;
-    int k = 0;
-    for (const char* name : {"x_mm", "y_mm", "z_mm"}) {
-      const std::size_t c = column.at(name);
-      const std::string text = c < cells.size() ? cells[c] : "";
-      double value = 0;
-      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-      if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-        throw InputError(fmt::format("{}: line {}: {}: '{}' is not a finite number", file.string(), row, name, text));
-      x[k++] = value;
-    }
-    const std::string name = column.count("curve") && column["curve"] < cells.size() ? cells[column["curve"]] : "";
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const std::string name = of_curve ? table.text(row, *of_curve) : "";
     if (curves.empty() || name != current) curves.emplace_back();
     current = name;
-    curves.back().push_back(x);
+    curves.back().emplace_back(table.number(row, x), table.number(row, y), table.number(row, z));
   }
   return curves;
 }

@@ -341,6 +341,7 @@ class Attachment {
     if (report_.radius_enlarged > 0)
       report_.notes.push_back(fmt::format("{} influence spheres enlarged until they hold both faces of the leaflet", report_.radius_enlarged));
     int taut = 0;
+    double most_taut = 0;
     for (std::size_t s = 0; s < network_.segments.size(); ++s) {
       const Network::Segment& segment = network_.segments[s];
       ChordaSegment c;
@@ -354,13 +355,14 @@ class Attachment {
       const double initial = (out.points[at(c.a)] - out.points[at(c.b)]).norm();
       c.rest_length = std::isnan(segment.rest_length) ? std::max(options_.slack * segment.length, initial) : options_.slack * segment.rest_length;
       taut += c.rest_length < initial * (1 - 1e-6);
+      most_taut = std::max(most_taut, initial / c.rest_length - 1);
       out.segments.push_back(c);
       const double spared = roles_[at(segment.b)].kind == PointRole::end ? spared_radii * radius_of[at(segment.b)] : 0;
       if (const auto place = probe_.crossing(out.points[at(c.a)], out.points[at(c.b)], spared)) {
         if (report_.crossings++ < 5) report_.notes.push_back("a chorda passes through a leaflet at " + place_text(*place));
       }
     }
-    if (taut > 0) report_.notes.push_back(fmt::format("{} segments are stretched at the start: their rest length in the file is below their length", taut));
+    if (taut > 0) report_.notes.push_back(fmt::format("{} segments are stretched at the start, by {:.0f} % at most: their rest length in the file is below their length", taut, 100 * most_taut));
     return out;
   }
 

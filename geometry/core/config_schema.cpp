@@ -161,7 +161,7 @@ const Row rows[] = {
     {"chordae.septal.ogden_mu", "pressure[]", "[33.7535 MPa, 1.45963e-5 MPa, 0.0203430 MPa]", "", "Ogden: mu_i, chordae of the septal leaflet"},
     {"chordae.septal.ogden_alpha", "number[]", "[0.000153167, 0.000348813, 113.447]", "", "Ogden: alpha_i, exponents"},
 
-    {"annulus.motion", "path", "", "", "CSV of the annulus over time (columns point,time_s,x_mm,y_mm,z_mm; points in order round the annulus, displacements from each point's first row); empty: fixed"},
+    {"annulus.motion", "path", "", "", "CSV of the annulus over time (columns point,time_s,x_mm,y_mm,z_mm; points in order round the annulus, displacements from each point's first row); in blood the tube is made wide enough for it and a skirt of held points closes the gap to the wall; empty: fixed"},
 
     {"papillary.displacement", "length[3]", "[0 mm, 0 mm, 0 mm]", "-50 mm .. 50 mm", "movement of the papillary tips in the files' frame, reached at move_start + move_time and kept"},
     {"papillary.motion", "path", "", "", "CSV of the papillary tips over time (columns point,time_s,x_mm,y_mm,z_mm; points numbered as in papillary.vtp from 0); added to the displacement"},

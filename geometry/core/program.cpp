@@ -11,6 +11,8 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -19,6 +21,35 @@
 extern char** environ;
 
 namespace mv {
+namespace {
+
+std::mutex list;
+std::set<pid_t> running;
+
+/// A child that end_running_programs knows, until it has been waited for.
+class Listed {
+ public:
+  explicit Listed(pid_t child) : child_(child) {
+    const std::lock_guard lock(list);
+    running.insert(child_);
+  }
+  ~Listed() {
+    const std::lock_guard lock(list);
+    running.erase(child_);
+  }
+  Listed(const Listed&) = delete;
+  Listed& operator=(const Listed&) = delete;
+
+ private:
+  pid_t child_;
+};
+
+}  // namespace
+
+void end_running_programs() {
+  const std::lock_guard lock(list);
+  for (const pid_t child : running) kill(child, SIGTERM);
+}
 
 std::filesystem::path find_program(const std::string& name) {
   const char* path = std::getenv("PATH");
@@ -40,8 +71,15 @@ pid_t start_program(const std::filesystem::path& program, const std::vector<std:
   std::vector<char*> argv{const_cast<char*>(name.c_str())};
   for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t none;
+  sigemptyset(&none);
+  posix_spawnattr_setsigmask(&attributes, &none);  // signals that we block are for us alone
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
   pid_t child = 0;
-  const int failed = posix_spawn(&child, name.c_str(), &actions, nullptr, argv.data(), environ);
+  const int failed = posix_spawn(&child, name.c_str(), &actions, &attributes, argv.data(), environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (failed) throw IoError(name + ": cannot be started: " + std::strerror(failed));
   return child;
@@ -49,6 +87,7 @@ pid_t start_program(const std::filesystem::path& program, const std::vector<std:
 
 int run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments, const std::filesystem::path& log, double seconds) {
   const pid_t child = start_program(program, arguments, log);
+  const Listed listed(child);
   const std::string name = program.string();
   const auto start = std::chrono::steady_clock::now();
   bool is_killed = false;

@@ -22,4 +22,7 @@ pid_t start_program(const std::filesystem::path& program, const std::vector<std:
 int run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments, const std::filesystem::path& log, double seconds = 0);
 inline constexpr int timed_out = -1;
 
+/// Sends SIGTERM to what run_program is waiting for, from any thread.
+void end_running_programs();
+
 }  // namespace mv

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -55,8 +57,9 @@ ConeWrap::ConeWrap(const Annulus& annulus, const Vec3& anterior_direction, const
   for (int i = 0; i < n; ++i) {
     const Vec3 a = curve_.at(i * h) - centre_, b = curve_.at((i + 1) * h) - centre_;
     if (!(-axis_.dot(a.cross(b)) > 0))
-      throw InputError("generic valve: the annulus is not star-shaped about its centre (it turns back near point " +
-                       std::to_string(i) + " of 2880); smooth it or give fewer harmonics");
+      throw InputError(fmt::format("generic valve: the annulus is not star-shaped about its centre: seen from there it turns back near ({:.1f}, {:.1f}, {:.1f}) mm; smooth it more "
+                                   "(generic.smoothing_harmonics), or correct its points there",
+                                   curve_.at(i * h).x(), curve_.at(i * h).y(), curve_.at(i * h).z()));
     if (a.dot(ahead) > 0 && a.dot(left) <= 0 && b.dot(left) > 0) crossing = h * (i + a.dot(left) / (a.dot(left) - b.dot(left)));
   }
   u_offset_ = crossing - pattern.parameters().anterior_radius;

@@ -3,14 +3,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
-#include <sstream>
 
-#include "geometry/core/case_files.h"
+#include "geometry/core/csv_table.h"
 #include "geometry/core/errors.h"
 #include "geometry/image/slice.h"
 
@@ -39,24 +36,6 @@ bool is_before(const std::string& a, const std::string& b) {
   return a.size() - i < b.size() - j;
 }
 
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> cells;
-  std::stringstream stream(line);
-  for (std::string cell; std::getline(stream, cell, ',');) {
-    const auto a = cell.find_first_not_of(" \t\r"), b = cell.find_last_not_of(" \t\r");
-    cells.push_back(a == std::string::npos ? "" : cell.substr(a, b - a + 1));
-  }
-  return cells;
-}
-
-double number_of(const std::string& cell, const std::string& where) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
-    throw InputError(fmt::format("{}: '{}' is not a finite number", where, cell));
-  return value;
-}
-
 Vec3 to_ras(const Vec3& x, bool is_lps) { return is_lps ? Vec3(-x.x(), -x.y(), x.z()) : x; }
 
 /// Place of one picture: directions and spacing from the table or the keys.
@@ -67,32 +46,17 @@ struct Place {
 };
 
 std::vector<Place> read_table(const std::filesystem::path& file) {
-  std::string text = read_file(file);
-  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
-  std::stringstream lines(text);
-  std::string line;
-  std::getline(lines, line);
-  std::map<std::string, std::size_t> column;
-  const auto header = split(line);
-  for (std::size_t k = 0; k < header.size(); ++k) column[header[k]] = k;
-  for (const char* name : {"file", "x_mm", "y_mm", "z_mm"})
-    if (!column.contains(name))
-      throw InputError(fmt::format("{}: line 1: column '{}' is missing; expected file,x_mm,y_mm,z_mm and optionally row_x,row_y,row_z,column_x,column_y,column_z,"
-                                   "spacing_x_mm,spacing_y_mm",
-                                   file.string(), name));
+  const CsvTable table(file, "file,x_mm,y_mm,z_mm and optionally row_x,row_y,row_z,column_x,column_y,column_z,spacing_x_mm,spacing_y_mm");
+  for (const char* name : {"file", "x_mm", "y_mm", "z_mm"}) table.column(name);
   std::vector<Place> places;
-  for (int number = 2; std::getline(lines, line); ++number) {
-    const auto cells = split(line);
-    if (cells.empty()) continue;
-    const std::string where = fmt::format("{}: line {}", file.string(), number);
-    if (cells.size() != header.size()) throw InputError(fmt::format("{}: {} values, the header has {} columns", where, cells.size(), header.size()));
-    const auto vector = [&](const std::string& x, const std::string& y, const std::string& z) -> std::optional<Vec3> {
-      if (!column.contains(x) || !column.contains(y) || !column.contains(z)) return std::nullopt;
-      return Vec3(number_of(cells[column[x]], where), number_of(cells[column[y]], where), number_of(cells[column[z]], where));
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const auto vector = [&](const char* x, const char* y, const char* z) -> std::optional<Vec3> {
+      const auto i = table.find(x), j = table.find(y), k = table.find(z);
+      if (!i || !j || !k) return std::nullopt;
+      return Vec3(table.number(row, *i), table.number(row, *j), table.number(row, *k));
     };
-    Place place{cells[column["file"]], vector("x_mm", "y_mm", "z_mm"), vector("row_x", "row_y", "row_z"), vector("column_x", "column_y", "column_z"), {}};
-    if (column.contains("spacing_x_mm") && column.contains("spacing_y_mm"))
-      place.spacing = {number_of(cells[column["spacing_x_mm"]], where), number_of(cells[column["spacing_y_mm"]], where)};
+    Place place{table.text(row, table.column("file")), vector("x_mm", "y_mm", "z_mm"), vector("row_x", "row_y", "row_z"), vector("column_x", "column_y", "column_z"), {}};
+    if (const auto x = table.find("spacing_x_mm"), y = table.find("spacing_y_mm"); x && y) place.spacing = {table.number(row, *x), table.number(row, *y)};
     places.push_back(place);
   }
   if (places.empty()) throw InputError(file.string() + ": no slices below the header");

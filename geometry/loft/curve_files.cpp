@@ -8,15 +8,15 @@
 #include <vtkPolyData.h>
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
+#include "geometry/annulus/annulus_check.h"
+#include "geometry/annulus/closed_curve.h"
 #include "geometry/core/case_files.h"
 #include "geometry/core/config.h"
+#include "geometry/core/csv_table.h"
 #include "geometry/core/errors.h"
 #include "geometry/core/vtk_dataset.h"
 
@@ -25,30 +25,9 @@ namespace {
 
 using nlohmann::json;
 
-std::string trimmed(const std::string& text) {
-  const auto a = text.find_first_not_of(" \t\r\""), b = text.find_last_not_of(" \t\r\"");
-  return a == std::string::npos ? "" : text.substr(a, b - a + 1);
-}
-
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
   return text;
-}
-
-std::vector<std::string> cells_of(const std::string& line, char separator) {
-  std::vector<std::string> cells;
-  std::stringstream stream(line);
-  for (std::string cell; std::getline(stream, cell, separator);) cells.push_back(trimmed(cell));
-  if (!line.empty() && line.back() == separator) cells.emplace_back();
-  return cells;
-}
-
-double number_of(const std::string& cell, const std::string& where) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
-    throw InputError(fmt::format("{}: '{}' is not a finite number; expected a coordinate in mm with a decimal point", where, cell));
-  return value;
 }
 
 Vec3 to_ras(const Vec3& x, bool is_lps) { return is_lps ? Vec3(-x.x(), -x.y(), x.z()) : x; }
@@ -66,49 +45,20 @@ void set_annulus(CurveSet& set, const std::vector<Vec3>& points, const std::stri
   if (points.size() < 8) throw InputError(fmt::format("{}: the annulus has {} points, at least 8 are needed", where, points.size()));
   for (const Vec3& p : points)
     if (!p.allFinite()) throw InputError(where + ": the annulus has a point that is not finite");
+  for (const std::string& note : check_annulus_curve(clean_closed_curve(points, nullptr, where), where)) set.notes.push_back(note);
   set.annulus_curve = points;
 }
 
-struct Columns {
-  std::array<std::size_t, 5> needed{};
-  std::size_t thickness = std::string::npos;
-};
-
-Columns columns_of(const std::vector<std::string>& header, const std::string& file) {
-  const std::array<std::string, 5> names = {"leaflet", "curve", "x_mm", "y_mm", "z_mm"};
-  Columns columns;
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    const auto found = std::find(header.begin(), header.end(), names[k]);
-    if (found == header.end())
-      throw InputError(fmt::format("{}: line 1: column '{}' is missing; expected the header leaflet,curve,x_mm,y_mm,z_mm (and thickness_mm if known)", file, names[k]));
-    columns.needed[k] = static_cast<std::size_t>(found - header.begin());
-  }
-  const auto found = std::find(header.begin(), header.end(), "thickness_mm");
-  if (found != header.end()) columns.thickness = static_cast<std::size_t>(found - header.begin());
-  return columns;
-}
-
 void read_csv(const std::filesystem::path& file, bool is_lps, CurveSet& set) {
-  std::string text = read_file(file);
-  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
-  std::stringstream lines(text);
-  std::string line;
-  std::getline(lines, line);
-  const char separator = line.find(';') != std::string::npos ? ';' : ',';
-  const std::vector<std::string> header = cells_of(line, separator);
-  const Columns columns = columns_of(header, file.string());
+  const CsvTable table(file, "leaflet,curve,x_mm,y_mm,z_mm (and thickness_mm if known)");
+  const std::size_t of_leaflet = table.column("leaflet"), of_curve = table.column("curve"), of_x[] = {table.column("x_mm"), table.column("y_mm"), table.column("z_mm")};
+  const auto of_thickness = table.find("thickness_mm");
   std::vector<LeafletCurve> curves;
   std::map<std::pair<int, std::string>, std::size_t> known;
   std::vector<Vec3> annulus;
-  for (int number = 2; std::getline(lines, line); ++number) {
-    if (trimmed(line).empty()) continue;
-    const std::string where = fmt::format("{}: line {}", file.string(), number);
-    const std::vector<std::string> cells = cells_of(line, separator);
-    if (cells.size() != header.size()) throw InputError(fmt::format("{}: {} values, the header has {} columns", where, cells.size(), header.size()));
-    Vec3 x;
-    for (int k = 0; k < 3; ++k) x(k) = number_of(cells[columns.needed[static_cast<std::size_t>(k) + 2]], where);
-    x = to_ras(x, is_lps);
-    const std::string leaflet = lower(cells[columns.needed[0]]), id = cells[columns.needed[1]];
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const Vec3 x = to_ras({table.number(row, of_x[0]), table.number(row, of_x[1]), table.number(row, of_x[2])}, is_lps);
+    const std::string leaflet = lower(table.text(row, of_leaflet)), id = table.text(row, of_curve);
     if (leaflet == "annulus") {
       annulus.push_back(x);
       continue;
@@ -118,7 +68,7 @@ void read_csv(const std::filesystem::path& file, bool is_lps, CurveSet& set) {
       continue;
     }
     if (leaflet != "anterior" && leaflet != "posterior")
-      throw InputError(fmt::format("{}: leaflet '{}'; expected anterior, posterior, annulus, papillary_anterolateral or papillary_posteromedial", where, leaflet));
+      throw InputError(fmt::format("{}: leaflet '{}'; expected anterior, posterior, annulus, papillary_anterolateral or papillary_posteromedial", table.where(row), leaflet));
     const int region = leaflet == "anterior" ? anterior : posterior;
     const auto [place, is_new] = known.emplace(std::pair(region, id), curves.size());
     if (is_new) {
@@ -128,12 +78,12 @@ void read_csv(const std::filesystem::path& file, bool is_lps, CurveSet& set) {
     }
     LeafletCurve& curve = curves[place->second];
     curve.points.push_back(x);
-    if (columns.thickness == std::string::npos) continue;
-    const double t = number_of(cells[columns.thickness], where);
-    if (!(t > 0)) throw InputError(fmt::format("{}: thickness_mm {}; expected a positive length", where, t));
+    if (!of_thickness) continue;
+    const double t = table.number(row, *of_thickness);
+    if (!(t > 0)) throw InputError(fmt::format("{}: thickness_mm {}; expected a positive length", table.where(row), t));
     curve.thickness.push_back(t);
   }
-  if (curves.empty() && annulus.empty() && set.papillary_points.empty()) throw InputError(file.string() + ": no points below the header");
+  if (table.rows() == 0) throw InputError(file.string() + ": no points below the header");
   if (!annulus.empty()) set_annulus(set, annulus, file.string());
   set.curves.insert(set.curves.end(), curves.begin(), curves.end());
 }

@@ -274,7 +274,7 @@ Commissures find_commissures(const Outline& o, const std::vector<double>& given,
   c.free_edge_end = wrapped(c.free_edge_end, o.period);
   const double share = length({c.annulus_begin, c.annulus_end}, o.period) / o.period;
   if (share < 0.12 || share > 0.88)
-    throw InputError(fmt::format("leaflets: the anterior leaflet would take {:.0f} % of the annulus; the commissures are wrong or one leaflet is missing",
+    throw InputError(fmt::format("leaflets: the anterior leaflet would take {:.0f} % of the annulus; the commissures (patient.commissures) are wrong or one leaflet is missing",
                                  100 * share));
   return c;
 }

@@ -112,7 +112,7 @@ AnnulusFound find_annulus(const Ring& ring, const RawLeaflets& raw, const Leafle
   std::vector<Vec3> curve = clean_closed_curve(points, &report);
   if (report.spikes_removed > 0) notes.push_back(fmt::format("{} spikes of the annulus were removed", report.spikes_removed));
   if (options.annulus_harmonics > 0) curve = smooth_closed_curve(curve, options.annulus_harmonics, 720, &report);
-  const Annulus plane = fit_annulus(curve, {});
+  const Annulus plane = fit_annulus_plane(curve);
   Vec3 hang = Vec3::Zero();
   for (int v : ring.free_edge) hang += (ring.mesh.points[at(v)] - plane.origin) / static_cast<double>(ring.free_edge.size());
   NormalHints hints;
@@ -482,7 +482,7 @@ LeafletSurface build_leaflet_surface(const RawLeaflets& raw, const LeafletSurfac
     given.push_back(first_curve.closest(p));
     const double off = (first_curve.at(given.back()) - p).norm();
     if (off > commissure_off_annulus)
-      throw InputError(fmt::format("leaflets: the given commissure ({:.1f}, {:.1f}, {:.1f}) mm lies {:.1f} mm off the annulus; expected at most {:.0f} mm",
+      throw InputError(fmt::format("leaflets: the given commissure (patient.commissures) at ({:.1f}, {:.1f}, {:.1f}) mm lies {:.1f} mm off the annulus; expected at most {:.0f} mm",
                                    p.x(), p.y(), p.z(), off, commissure_off_annulus));
   }
   const Commissures commissures = find_commissures(outline, given, ring.has_regions, ring.has_names,

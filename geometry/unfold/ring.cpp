@@ -148,7 +148,7 @@ std::optional<Vec3> downward(const RawMesh& mesh, const RawLeaflets& raw) {
     if ((mean - centre).norm() > 1) return (mean - centre).normalized();
   }
   if (raw.annulus_curve.size() >= 8) {
-    const Annulus plane = fit_annulus(raw.annulus_curve, {});
+    const Annulus plane = fit_annulus_plane(raw.annulus_curve);
     const double side = (centre - plane.origin).dot(plane.normal);
     if (std::abs(side) > 0.5) return side > 0 ? plane.normal : Vec3(-plane.normal);
   }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "geometry/core/parallel.h"
 
@@ -28,30 +29,65 @@ void Coupling::set_hold_share(double safety) { hold_share_ = std::clamp(hold_roo
 int Coupling::set_held(std::span<const double> x, std::span<const char> is_fixed) {
   std::vector<double> positions;
   for (std::size_t i = 0; i < is_fixed.size(); ++i)
-    if (is_fixed[i]) {
-      held_.push_back(static_cast<int>(i));
-      held_index_.push_back(static_cast<int>(held_index_.size()));
-      positions.insert(positions.end(), x.begin() + static_cast<std::ptrdiff_t>(3 * i), x.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
-    }
-  if (held_.empty()) return 0;
+    if (is_fixed[i]) positions.insert(positions.end(), x.begin() + static_cast<std::ptrdiff_t>(3 * i), x.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
+  return set_held(std::move(positions), 0);
+}
+
+int Coupling::set_held(std::vector<double> positions, int axial) {
+  const int count = static_cast<int>(positions.size() / 3);
+  if (count == 0) return 0;
+  held_axial_ = axial;
+  held_active_.resize(static_cast<std::size_t>(count));
+  std::iota(held_active_.begin(), held_active_.end(), 0);
   held_transfer_ = std::make_unique<Transfer>(transfer_);
-  held_transfer_->bind(positions, held_index_);
+  held_transfer_->bind(positions, held_active_);
   held_velocity_.assign(positions.size(), 0.0);
-  held_force_.assign(positions.size(), 1.0);
+  held_force_.assign(positions.size(), 0.0);
+  allow_for_held_mobility();
+  return count;
+}
+
+void Coupling::carry_held(std::span<const double> positions, std::span<const double> velocities, std::span<const char> is_active) {
+  // Beside the wall a part of each kernel lies outside, where nothing moves: blood that moves as the point does is seen to move by the part inside alone.
+  if (all_ones_.c[0].empty()) {
+    all_ones_ = FaceField(transfer_.grid());
+    for (auto& component : all_ones_.c) std::fill(component.begin(), component.end(), 1.0);
+  }
+  is_held_active_.assign(is_active.begin(), is_active.end());
+  held_active_.clear();
+  for (std::size_t i = 0; i < is_active.size(); ++i)
+    if (is_active[i]) held_active_.push_back(static_cast<int>(i));
+  held_transfer_->bind(positions, held_active_);
+  held_target_.assign(velocities.size(), 0.0);
+  held_transfer_->interpolate(all_ones_, held_target_);
+  for (std::size_t a = 0; a < held_target_.size(); ++a) held_target_[a] *= velocities[a];
+}
+
+void Coupling::leave_axial_part(std::vector<double>& held) const {
+  const std::size_t first = held.size() - 3 * static_cast<std::size_t>(held_axial_);
+  for (std::size_t a = first; a < held.size(); a += 3) held[a] = held[a + 1] = 0;
+}
+
+void Coupling::allow_for_held_mobility() {
   // Power iteration on interpolate(spread(.)) / density.
+  std::vector<double> force(held_velocity_.size(), 0.0), velocity(force.size(), 0.0);
+  for (const int i : held_active_) std::fill_n(force.begin() + 3 * static_cast<std::ptrdiff_t>(i), 3, 1.0);
+  leave_axial_part(force);
   FaceField field(transfer_.grid());
+  double mobility = 0;
   for (int iteration = 0; iteration < 20; ++iteration) {
     field.set_zero();
-    held_transfer_->spread(held_force_, field);
-    held_transfer_->interpolate(field, held_velocity_);
+    held_transfer_->spread(force, field);
+    held_transfer_->interpolate(field, velocity);
+    leave_axial_part(velocity);
     double squared = 0;
-    for (double v : held_velocity_) squared += v * v;
+    for (double v : velocity) squared += v * v;
     const double norm = std::sqrt(squared);
-    if (iteration > 0) held_mobility_ = norm / density_;
+    if (iteration > 0) mobility = norm / density_;
     if (!(norm > 0)) break;
-    for (std::size_t a = 0; a < held_force_.size(); ++a) held_force_[a] = held_velocity_[a] / norm;
+    for (std::size_t a = 0; a < force.size(); ++a) force[a] = velocity[a] / norm;
   }
-  return static_cast<int>(held_.size());
+  held_mobility_ = std::max(held_mobility_, mobility);
 }
 
 void Coupling::set_volumes(std::vector<double> volumes) {
@@ -96,17 +132,30 @@ void Coupling::relax(const CoupledNodes& nodes, std::span<const double> unseen, 
   });
 }
 
-double Coupling::hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density) {
-  if (!held_transfer_ || !(held_mobility_ > 0)) return 0.0;
+Coupling::HoldWork Coupling::hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density) {
+  HoldWork work;
+  if (!held_transfer_ || !(held_mobility_ > 0)) return work;
   const double step = std::max(dt, hold_step);
   const double spring = hold_share_ * 4.0 / (held_mobility_ * step * step);
   const double damper = hold_share_ * 2.0 / (held_mobility_ * step);
+  const bool is_carried = !held_target_.empty();
   held_transfer_->interpolate(velocity, held_velocity_);
-  double work = 0;
   for (std::size_t a = 0; a < holding.size(); ++a) {
-    holding[a] -= dt * spring * held_velocity_[a];
-    held_force_[a] = holding[a] - damper * held_velocity_[a];
-    work += dt * held_force_[a] * held_velocity_[a];
+    if (is_carried && !is_held_active_[a / 3]) {
+      holding[a] = held_force_[a] = held_velocity_[a] = 0;
+      continue;
+    }
+    const double slip = is_carried ? held_velocity_[a] - held_target_[a] : held_velocity_[a];
+    holding[a] -= dt * spring * slip;
+    held_force_[a] = holding[a] - damper * slip;
+  }
+  if (held_axial_ > 0) {
+    leave_axial_part(holding);
+    leave_axial_part(held_force_);
+  }
+  for (std::size_t a = 0; a < holding.size(); ++a) {
+    work.on_blood += dt * held_force_[a] * held_velocity_[a];
+    if (is_carried) work.by_motion += dt * held_force_[a] * held_target_[a];
   }
   held_transfer_->spread(held_force_, force_density);
   return work;

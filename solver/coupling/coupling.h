@@ -27,6 +27,15 @@ class Coupling {
   /// Names the nodes that hold() works on, at the positions x where they stay. Returns how many there are.
   int set_held(std::span<const double> x, std::span<const char> is_fixed);
 
+  /// Points that hold() works on (m, xyz interleaved), the last `axial` of them along z only. Returns how many there are.
+  int set_held(std::vector<double> positions, int axial);
+
+  /// Takes all of them to other places, where the blood is to move with `velocities` (m/s). Those with `is_active` 0 hold nothing.
+  void carry_held(std::span<const double> positions, std::span<const double> velocities, std::span<const char> is_active);
+
+  /// Makes hold() gentle enough for the held points where they are now, too; called by set_held().
+  void allow_for_held_mobility();
+
   /// The share of hold() in what the step can bear beside tissue whose step is `safety` of its own limit: where tissue and hold move the same blood, a step is stable
   /// for safety^2 + share + share < 1 (spring and damper each), of which 84 % are used, from 0.05 to 0.2.
   void set_hold_share(double safety);
@@ -54,11 +63,15 @@ class Coupling {
   /// Volumes (m3) of the nodes; nodes without volume do not relax.
   void set_volumes(std::vector<double> volumes);
 
-  /// Nodes held by the annulus keep the blood at rest around them, by integral and proportional control on the blood's velocity U there:
-  ///   F = I - c U,  dI/dt = -k U,
+  struct HoldWork {
+    double on_blood = 0, by_motion = 0;  // J; the second by what carries the held points
+  };
+  /// Nodes held by the annulus keep the blood around them at their own velocity V, at rest if nothing carries them, by integral and proportional control on the blood's
+  /// velocity U there:
+  ///   F = I - c (U - V),  dI/dt = -k (U - V),
   /// with k and c as stiff as the step, or 50 us if it is shorter, allows: shares (set_hold_share) of the limits k dt^2 < 4 / mobility and c dt < 2 / mobility, the
-  /// mobility of the held nodes being found once. `holding` (I, N, 3 per held node) is part of the state. Returns the work (J) done on the blood.
-  double hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density);
+  /// mobility of the held nodes being found beforehand. `holding` (I, N, 3 per held node) is part of the state.
+  HoldWork hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density);
 
   /// Forces (N) of the last hold() on the blood, 3 per held node in the order of set_held().
   std::span<const double> held_forces() const { return held_force_; }
@@ -72,6 +85,9 @@ class Coupling {
   const Transfer& transfer() const { return transfer_; }
 
  private:
+  /// Zeroes x and y of the points that hold along z only (3 per held point).
+  void leave_axial_part(std::vector<double>& held) const;
+
   Transfer transfer_;
   double density_;
   double hold_share_ = 0.15;
@@ -80,9 +96,12 @@ class Coupling {
   FaceField volume_density_;
   std::vector<int> active_;
   std::unique_ptr<Transfer> held_transfer_;
-  std::vector<int> held_;             // nodes
-  std::vector<int> held_index_;       // 0, 1, ...: the held nodes' arrays are compact
+  std::vector<int> held_active_;      // 0, 1, ...: the held nodes' arrays are compact
+  int held_axial_ = 0;                // of the last ones
   std::vector<double> held_velocity_, held_force_;
+  std::vector<double> held_target_;   // velocities as the kernels see them; empty: at rest
+  FaceField all_ones_;                // with targets
+  std::vector<char> is_held_active_;  // with targets
   double held_mobility_ = 0;          // 1/kg
 };
 

@@ -19,6 +19,7 @@
 
 #include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
+#include "solver/output/carried_annulus.h"
 #include "solver/output/series.h"
 #include "solver/output/vtk_helpers.h"
 
@@ -127,9 +128,6 @@ fs::path FrameWriter::write_leaflets(const LeafletsState& state) {
 
   vtkNew<vtkUnstructuredGrid> grid;
   vtk::add_header(grid, state.time);
-  const Vec3 &o = annulus_.origin, &n = annulus_.normal;
-  vtk::add_field(grid, "annulus_origin", "mm", {o.x(), o.y(), o.z()});
-  vtk::add_field(grid, "annulus_normal", "1", {n.x(), n.y(), n.z()});
 
   // double precision: the last frame is checked exactly for self-intersection
   std::vector<Vec3> world(np);
@@ -141,6 +139,10 @@ fs::path FrameWriter::write_leaflets(const LeafletsState& state) {
     points->SetPoint(static_cast<vtkIdType>(i), world[i].data());
   }
   grid->SetPoints(points);
+  const Annulus annulus = carried_annulus(annulus_, mesh_, world);
+  const Vec3 &o = annulus.origin, &n = annulus.normal;
+  vtk::add_field(grid, "annulus_origin", "mm", {o.x(), o.y(), o.z()});
+  vtk::add_field(grid, "annulus_normal", "1", {n.x(), n.y(), n.z()});
   const int nodes = mesh_.nodes_per_tet();
   vtkNew<vtkCellArray> cells;
   for (const auto& tet : mesh_.tets) {

@@ -52,35 +52,12 @@ void BoundaryMotion::apply(double time, ChordaeTension& chordae, std::span<Vec3>
   if (!cut_.empty()) chordae.set_cut(cut_, is_cut(time));
 }
 
-AnnulusMotion::AnnulusMotion(MotionTable table, const LeafletMesh& mesh, const Tube& tube, double reach, const std::string& file)
-    : table_(std::move(table)), axes_(tube.axes) {
-  const std::vector<Vec3>& curve = table_.rest();
-  const int n = table_.points();
-  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-    if (!mesh.on_annulus[i]) continue;
-    Place best{0, 0, 0};
-    double nearest = 1e300;
-    for (int a = 0; a < n; ++a) {
-      const int b = (a + 1) % n;
-      const Vec3 along = curve[static_cast<std::size_t>(b)] - curve[static_cast<std::size_t>(a)], to = mesh.points[i] - curve[static_cast<std::size_t>(a)];
-      const double length2 = along.squaredNorm();
-      const double share = length2 > 0 ? std::clamp(to.dot(along) / length2, 0.0, 1.0) : 0.0;
-      const double distance = (to - share * along).norm();
-      if (distance < nearest) nearest = distance, best = {a, b, share};
-    }
-    if (!(nearest <= reach))
-      throw InputError(fmt::format("{}: annulus node {} at ({:.2f}, {:.2f}, {:.2f}) mm lies {:.2f} mm from the curve through the file's points, at most {:.2f} mm is expected; is the "
-                                   "file of this valve, in mm and in the same frame, with its points in order round the annulus?",
-                                   file, i, mesh.points[i].x(), mesh.points[i].y(), mesh.points[i].z(), nearest, reach));
-    nodes_.push_back(static_cast<int>(i));
-    places_.push_back(best);
-  }
+AnnulusMotion::AnnulusMotion(MotionTable table, const LeafletMesh& mesh, const Tube& tube, const std::string& file)
+    : table_(std::move(table)), axes_(tube.axes), places_(table_.places_of_annulus(mesh, file)) {
+  for (std::size_t i = 0; i < mesh.points.size(); ++i)
+    if (mesh.on_annulus[i]) nodes_.push_back(static_cast<int>(i));
 }
 
-Vec3 AnnulusMotion::displacement(std::size_t i, double time) const {
-  const Place& p = places_[i];
-  const Vec3 u = (1 - p.share) * table_.displacement(p.a, time) + (p.share > 0 ? p.share : 0.0) * table_.displacement(p.b, time);
-  return metres_per_mm * (axes_ * u);
-}
+Vec3 AnnulusMotion::displacement(const MotionTable::Place& place, double time) const { return metres_per_mm * (axes_ * table_.displacement(place, time)); }
 
 }  // namespace mv

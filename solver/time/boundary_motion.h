@@ -10,8 +10,8 @@
 
 #include "geometry/core/case.h"
 #include "geometry/core/config.h"
+#include "geometry/core/motion_table.h"
 #include "solver/chordae/chordae_tension.h"
-#include "solver/time/motion_table.h"
 
 namespace mv {
 
@@ -46,23 +46,21 @@ class BoundaryMotion {
 /// between two of them.
 class AnnulusMotion {
  public:
-  /// `nodes`: held nodes of the mesh (points in mm). Throws InputError when one of them lies further from the curve than `reach` (mm).
-  AnnulusMotion(MotionTable table, const LeafletMesh& mesh, const Tube& tube, double reach, const std::string& file);
+  /// Throws InputError when a held node of the mesh does not lie on the curve (places_of_annulus).
+  AnnulusMotion(MotionTable table, const LeafletMesh& mesh, const Tube& tube, const std::string& file);
 
   const std::vector<int>& nodes() const { return nodes_; }
+  const MotionTable& table() const { return table_; }
   bool changes(double t0, double t1) const { return table_.changes(t0, t1); }
-  /// Displacement (m, tube frame) of the i-th of nodes().
-  Vec3 displacement(std::size_t i, double time) const;
+  /// Displacement (m, tube frame) of the i-th of nodes(), and of any place of the file's curve.
+  Vec3 displacement(std::size_t i, double time) const { return displacement(places_[i], time); }
+  Vec3 displacement(const MotionTable::Place& place, double time) const;
 
  private:
-  struct Place {
-    int a, b;
-    double share;
-  };
   MotionTable table_;
   Mat3 axes_;
   std::vector<int> nodes_;
-  std::vector<Place> places_;
+  std::vector<MotionTable::Place> places_;
 };
 
 }  // namespace mv

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
 #include <atomic>
+#include <filesystem>
 #include <csignal>
 #include <iostream>
 
@@ -131,6 +132,10 @@ int main(int argc, char** argv) {
     return static_cast<int>(error.code());
   } catch (const std::bad_alloc&) {
     spdlog::error("out of memory; a coarser tube.spacing or mesh.spacing needs less");
+    return static_cast<int>(mv::ExitCode::io);
+  } catch (const std::filesystem::filesystem_error& error) {
+    constexpr std::size_t longest_path = 200;  // characters of it in a message
+    spdlog::error("{}: {}", error.path1().string().substr(0, longest_path), error.code().message());
     return static_cast<int>(mv::ExitCode::io);
   } catch (const std::exception& error) {
     spdlog::error("internal error: {}; please report it with the command and the case", error.what());

@@ -97,7 +97,7 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)), waveform_(Wavefo
     volumes.resize(structure_->is_fixed().size(), 0.0);
     coupling_->set_volumes(std::move(volumes));
     if (config.text("coupling.annulus") == "faces") fluid_->set_rest_faces(faces_crossed(grid, annulus_barrier(scene_)));
-    else held_count_ = coupling_->set_held(structure_->rest_positions(), structure_->is_fixed());
+    else hold_annulus();
     coupling_->set_hold_share(config.number("time.safety"));
     if (scene_.has_contact() && config.text("coupling.scheme") == "drained") {
       FilmDrainageOptions options;
@@ -250,13 +250,17 @@ void Simulation::advance(State& state, double dt) {
       book_unseen_motion(state);
     }
 
-    state.ledger.coupling_loss -= coupling_->hold(state.holding, state.flow.velocity, dt, force_density_);
+    if (skirt_) carry_hold(state.time, dt);
+    const Coupling::HoldWork held = coupling_->hold(state.holding, state.flow.velocity, dt, force_density_);
+    state.ledger.coupling_loss -= held.on_blood - held.by_motion;
+    state.ledger.work_moved += held.by_motion;
     times_.coupling += seconds_since(start);
     start = Clock::now();
     const FlowStepReport report = fluid_->advance(state.flow, force_density_, dt, {{{0, 0}, {0, 0}, {pressure, 0}}});
     times_.fluid += seconds_since(start);
     start = Clock::now();
     coupling_->move(nodes, state.flow.velocity, dt);
+    if (skirt_) move_annulus(state, dt);
     times_.coupling += seconds_since(start);
     guard_motion(state, dt);  // keeps its own time
     start = Clock::now();
@@ -328,12 +332,48 @@ void Simulation::move_annulus(State& state, double dt) {
     Eigen::Map<Vec3> x(state.x.data() + 3 * node), v(state.v.data() + 3 * node);
     const Vec3 moved = Vec3::Map(rest.data() + 3 * node) + motion.displacement(n, state.time + dt);
     const Vec3 velocity = (moved - x) / dt;
-    // What moves a node works against the forces on it and on its inertia.
-    work += -Vec3::Map(forces_.data() + 3 * node).dot(moved - x) + 0.5 * structure_->masses()[node] * (velocity.squaredNorm() - v.squaredNorm());
+    // What moves a node works against the forces on it and on its inertia, which in blood is the blood's.
+    work -= Vec3::Map(forces_.data() + 3 * node).dot(moved - x);
+    if (!fluid_) work += 0.5 * structure_->masses()[node] * (velocity.squaredNorm() - v.squaredNorm());
     v = velocity;
     x = moved;
   }
   state.ledger.work_moved += work;
+}
+
+void Simulation::place_hold(double time, std::vector<double>& x) {
+  const AnnulusMotion& motion = *structure_->annulus_motion();
+  const auto& rest = structure_->rest_positions();
+  const std::size_t nodes = motion.nodes().size();
+  for (std::size_t n = 0; n < nodes; ++n) Vec3::Map(x.data() + 3 * n) = Vec3::Map(rest.data() + 3 * motion.nodes()[n]) + motion.displacement(n, time);
+  skirt_->place(time, std::span(x).subspan(3 * nodes), std::span(is_hold_active_).subspan(nodes));
+}
+
+void Simulation::carry_hold(double time, double dt) {
+  place_hold(time + dt, hold_velocity_);
+  place_hold(time, hold_place_);
+  for (std::size_t a = 0; a < hold_place_.size(); ++a) hold_velocity_[a] = (hold_velocity_[a] - hold_place_[a]) / dt;
+  coupling_->carry_held(hold_place_, hold_velocity_, is_hold_active_);
+}
+
+void Simulation::hold_annulus() {
+  const AnnulusMotion* motion = structure_->annulus_motion();
+  if (!motion) {
+    held_count_ = coupling_->set_held(structure_->rest_positions(), structure_->is_fixed());
+    return;
+  }
+  skirt_.emplace(scene_, *motion, scene_.config.path("annulus.motion").string());
+  const std::size_t count = motion->nodes().size() + skirt_->points();
+  hold_place_.assign(3 * count, 0.0);
+  hold_velocity_.assign(3 * count, 0.0);
+  is_hold_active_.assign(count, 1);
+  place_hold(0, hold_place_);
+  held_count_ = coupling_->set_held(hold_place_, static_cast<int>(skirt_->points()));
+  constexpr double any_step = 1;  // s: only the places matter
+  for (const double time : motion->table().times()) {
+    carry_hold(time, any_step);
+    coupling_->allow_for_held_mobility();
+  }
 }
 
 void Simulation::book_unseen_motion(State& state) {

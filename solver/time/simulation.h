@@ -15,6 +15,7 @@
 #include "solver/coupling/coupling.h"
 #include "solver/coupling/film_drainage.h"
 #include "solver/coupling/wall_limit.h"
+#include "solver/time/annulus_skirt.h"
 #include "solver/time/scene.h"
 #include "solver/time/stable_step.h"
 #include "solver/time/structure.h"
@@ -67,6 +68,12 @@ class Simulation {
   void update_relaxation(State& state);
   /// Moves held nodes to where the annulus is at the end of the step and books the work.
   void move_annulus(State& state, double dt);
+  /// Positions x of a moving annulus' nodes and of its skirt at `time`, and which of them hold.
+  void place_hold(double time, std::vector<double>& x);
+  /// Where a moving annulus and its skirt hold the blood at `time` and how they move during the next dt > 0.
+  void carry_hold(double time, double dt);
+  /// Names what holds the blood at the annulus.
+  void hold_annulus();
   /// Books what relaxation and slip, which the blood does not feel, take from the budget.
   void book_unseen_motion(State& state);
   /// Takes what the guard stopped from the velocities of nodes that move on their own mass; returns the energy (J) lost.
@@ -92,10 +99,13 @@ class Simulation {
   std::optional<StableStep> stable_step_;
   std::optional<CrossingGuard> guard_;   // with contact
   std::optional<WallLimit> wall_limit_;  // with blood in a tube
+  std::optional<AnnulusSkirt> skirt_;    // with blood and a moving annulus
   FaceField force_density_;
   std::vector<double> forces_;
   std::vector<double> x_before_;
   std::vector<double> element_steps_;
+  std::vector<double> hold_place_, hold_velocity_;  // of a moving annulus: its nodes, then its skirt
+  std::vector<char> is_hold_active_;
   State snapshot_;
   bool has_snapshot_ = false, has_warned_of_step_ = false;
   int outside_ = 0, held_count_ = 0;

@@ -22,7 +22,6 @@ constexpr double range_share = 0.5;
 // The isotropic law stiffens by the whole strain and not along one direction: its exponents grow to 5 in a loaded valve, where fibres stay below 4.
 constexpr double isotropic_exponent_limit = 10;
 // The annulus' nodes lie on both faces of the leaflet; this far from the moving curve a file belongs to something else.
-constexpr double annulus_reach_mm = 3;
 // 1/s, without blood: brings motion to rest within a beat when there is no pressure to speak of.
 constexpr double damping_rate_least = 300;
 
@@ -137,9 +136,10 @@ Structure::Structure(const Scene& scene, double largest_pressure) : has_fluid_(s
   }
 
   if (!config.text("annulus.motion").empty()) {
-    if (has_fluid_) throw ConfigError("annulus.motion: with blood the annulus is held; set fluid.enabled = false to move it");
+    if (has_fluid_ && config.text("coupling.annulus") == "faces")
+      throw ConfigError("annulus.motion: coupling.annulus = \"faces\" holds an annulus that rests; expected \"points\", or fluid.enabled = false");
     const auto file = config.path("annulus.motion");
-    annulus_motion_.emplace(MotionTable::read(file), mesh, scene.tube, annulus_reach_mm, file.string());
+    annulus_motion_.emplace(MotionTable::read(file), mesh, scene.tube, file.string());
   }
   if (!has_fluid_ && !config.is_auto("time.target_step")) scale_masses(config.number("time.target_step"));
 

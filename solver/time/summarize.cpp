@@ -9,6 +9,7 @@
 #include "geometry/core/parallel.h"
 #include "geometry/core/unfolded.h"
 #include "solver/contact/intersection.h"
+#include "solver/output/carried_annulus.h"
 #include "solver/output/contact_map.h"
 #include "solver/seal/belt.h"
 #include "solver/seal/seal.h"
@@ -26,21 +27,6 @@ constexpr double volume_drift_limit = 0.01;
 // Without blood nothing but its bulk modulus keeps tissue from swelling under tension.
 constexpr double dry_volume_drift_limit = 0.05;
 constexpr double kinetic_share_limit = 0.05;
-
-AnnulusPlane plane_of(const Scene& scene) { return {scene.annulus.origin, -scene.annulus.normal}; }
-
-/// The annulus where the nearest held nodes have carried it.
-std::vector<Vec3> annulus_now(const Scene& scene, const std::vector<Vec3>& points) {
-  std::vector<Vec3> now = scene.annulus.points;
-  for (Vec3& p : now) {
-    std::size_t nearest = 0;
-    double least = 1e300;
-    for (std::size_t i = 0; i < points.size(); ++i)
-      if (const double d = scene.mesh.on_annulus[i] ? (scene.mesh.points[i] - p).squaredNorm() : 1e300; d < least) least = d, nearest = i;
-    if (least < 1e300) p += points[nearest] - scene.mesh.points[nearest];
-  }
-  return now;
-}
 
 void put_seal(Summary& summary, const Simulation& simulation, const std::vector<Vec3>& points, double threshold_mm) {
   const Scene& scene = simulation.scene();
@@ -62,7 +48,7 @@ void put_seal(Summary& summary, const Simulation& simulation, const std::vector<
       if (period > 0 && highest - u > 0.5 * period) u += period;
     }
   }
-  input.annulus = annulus_now(scene, points);
+  input.annulus = carried_annulus(scene.annulus, scene.mesh, points).points;
   input.tube = scene.tube;
   if (scene.papillary.tips.size() == 2) input.anterolateral = (scene.papillary.tips[0] - scene.papillary.tips[1]).normalized();
   const SealResult seal = find_seal(input, threshold_mm);
@@ -214,7 +200,8 @@ Summary summarize(Simulation& simulation, const State& state, const ContactMeasu
   summary.set("contact.self_intersection_places", crossing_places(scene.mesh, boundary, crossings));
 
   put_tissue(summary, simulation, state);
-  const AnnulusPlane plane = plane_of(scene);
+  const Annulus annulus = carried_annulus(scene.annulus, scene.mesh, points);
+  const AnnulusPlane plane{annulus.origin, -annulus.normal};
   const Triangles atrial_triangles = faces_on_side(scene.mesh, atrial).triangles;
   const Bulging bulging = measure_bulging(points, atrial_triangles, plane);
   summary.set("bulging.volume_ml", bulging.volume_ml);

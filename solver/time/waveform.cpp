@@ -5,64 +5,26 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
+#include "geometry/core/csv_table.h"
 #include "geometry/core/errors.h"
 
 namespace mv {
 namespace {
 
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> cells;
-  std::stringstream stream(line);
-  for (std::string cell; std::getline(stream, cell, ',');) {
-    const auto from = cell.find_first_not_of(" \t\r\"");
-    const auto to = cell.find_last_not_of(" \t\r\"");
-    cells.push_back(from == std::string::npos ? "" : cell.substr(from, to - from + 1));
-  }
-  return cells;
-}
-
-struct Table {
-  std::vector<std::string> names;
-  std::vector<std::vector<double>> columns;
-};
-
-Table read_table(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  if (!stream) throw IoError(fmt::format("{}: cannot be read; pressure.csv must name an existing CSV file", file.string()));
-  Table table;
-  std::string line;
-  if (!std::getline(stream, line)) throw InputError(file.string() + ": is empty; a header line and rows of numbers were expected");
-  table.names = split(line);
-  table.columns.resize(table.names.size());
-  for (int row = 2; std::getline(stream, line); ++row) {
-    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    const auto cells = split(line);
-    if (cells.size() != table.names.size())
-      throw InputError(fmt::format("{}: line {} has {} cells, the header has {}", file.string(), row, cells.size(), table.names.size()));
-    for (std::size_t c = 0; c < cells.size(); ++c) {
-      char* end = nullptr;
-      const double value = std::strtod(cells[c].c_str(), &end);
-      if (cells[c].empty() || *end != 0 || !std::isfinite(value))
-        throw InputError(fmt::format("{}: line {}, column '{}': '{}' is not a finite number", file.string(), row, table.names[c], cells[c]));
-      table.columns[c].push_back(value);
-    }
-  }
-  if (table.columns.empty() || table.columns[0].size() < 2) throw InputError(file.string() + ": needs at least two rows of numbers");
-  return table;
-}
-
-std::size_t column(const Table& table, const std::string& name, std::size_t fallback, const std::filesystem::path& file) {
+std::size_t column_of(const CsvTable& table, const std::string& name, std::size_t fallback) {
   if (name.empty()) {
-    if (fallback >= table.names.size()) throw InputError(fmt::format("{}: has {} columns, at least {} were expected", file.string(), table.names.size(), fallback + 1));
+    if (fallback >= table.columns().size()) throw InputError(fmt::format("{}: has {} columns, at least {} were expected", table.file(), table.columns().size(), fallback + 1));
     return fallback;
   }
-  const auto it = std::find(table.names.begin(), table.names.end(), name);
-  if (it == table.names.end())
-    throw InputError(fmt::format("{}: has no column '{}' (nearest: '{}')", file.string(), name, nearest_name(name, table.names)));
-  return static_cast<std::size_t>(it - table.names.begin());
+  if (const auto found = table.find(name)) return *found;
+  throw InputError(fmt::format("{}: has no column '{}' (nearest: '{}')", table.file(), name, nearest_name(name, table.columns())));
+}
+
+std::vector<double> numbers_of(const CsvTable& table, std::size_t column) {
+  std::vector<double> numbers;
+  for (std::size_t row = 0; row < table.rows(); ++row) numbers.push_back(table.number(row, column));
+  return numbers;
 }
 
 }  // namespace
@@ -95,17 +57,17 @@ Waveform Waveform::from_config(const Config& config, const std::filesystem::path
     const auto in_case = case_directory / file.filename();
     file = std::filesystem::exists(in_case) ? in_case : beside_config;
   }
-  const Table table = read_table(file);
+  const CsvTable table(file, "a time and one or two pressures, e.g. time,pressure");
+  if (table.rows() < 2) throw InputError(file.string() + ": needs at least two rows of numbers");
   const double time_unit = config.text("pressure.csv_time_unit") == "ms" ? 1e-3 : 1.0;
   const double pressure_unit = unit_factor(config.text("pressure.csv_pressure_unit"));
   const auto& columns = config.texts("pressure.csv_columns");
   if (columns.size() > 2) throw ConfigError("pressure.csv_columns: one column (the difference) or two (ventricle, atrium) were expected");
-  const std::size_t t = column(table, config.text("pressure.csv_time_column"), 0, file);
-  const std::size_t high = column(table, columns.empty() ? "" : columns[0], 1, file);
-  std::vector<double> times = table.columns[t], pressures = table.columns[high];
+  std::vector<double> times = numbers_of(table, column_of(table, config.text("pressure.csv_time_column"), 0));
+  std::vector<double> pressures = numbers_of(table, column_of(table, columns.empty() ? "" : columns[0], 1));
   for (double& time : times) time *= time_unit;
   if (columns.size() == 2) {
-    const auto& low = table.columns[column(table, columns[1], 1, file)];
+    const std::vector<double> low = numbers_of(table, column_of(table, columns[1], 1));
     for (std::size_t i = 0; i < pressures.size(); ++i) pressures[i] -= low[i];
   }
   for (double& p : pressures) p *= pressure_unit;

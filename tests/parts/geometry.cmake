@@ -1,5 +1,5 @@
 if(TARGET mv_annulus)
-  mv_add_test(unit_annulus SOURCES unit/annulus/closed_curve_test.cpp unit/annulus/annulus_fit_test.cpp LIBRARIES mv_annulus)
+  mv_add_test(unit_annulus SOURCES unit/annulus/closed_curve_test.cpp unit/annulus/annulus_check_test.cpp unit/annulus/annulus_fit_test.cpp LIBRARIES mv_annulus)
 endif()
 if(TARGET mv_generic)
   mv_add_test(unit_generic SOURCES unit/generic/flat_pattern_test.cpp unit/generic/generic_valve_test.cpp LIBRARIES mv_generic)

@@ -1,11 +1,13 @@
 if(TARGET mv_simulation)
-  mv_add_test(unit_time SOURCES unit/time/waveform_test.cpp unit/time/checkpoint_test.cpp unit/time/annulus_barrier_test.cpp unit/time/motion_table_test.cpp
+  mv_add_test(unit_time SOURCES unit/time/waveform_test.cpp unit/time/checkpoint_test.cpp unit/time/annulus_barrier_test.cpp unit/time/annulus_skirt_test.cpp unit/time/motion_table_test.cpp
     unit/chordae/chordae_tension_test.cpp unit/chordae/chorda_law_test.cpp LIBRARIES mv_simulation)
 endif()
 if(TARGET mvsolve AND TARGET mvprep)
   find_package(nlohmann_json REQUIRED)
   mv_add_test(system_mvsolve SOURCES system/mvsolve_test.cpp LIBRARIES mv_core nlohmann_json::nlohmann_json LABEL system)
   add_dependencies(system_mvsolve mvsolve mvprep)
+  mv_add_test(system_moving_annulus SOURCES system/moving_annulus_test.cpp LIBRARIES mv_core mv_output nlohmann_json::nlohmann_json LABEL system)
+  add_dependencies(system_moving_annulus mvsolve mvprep)
 endif()
 # mvsolve alone must configure and build where CGAL, gmsh, TetGen, OpenCV and NIfTI cannot be found.
 add_test(NAME system_solver_only_build

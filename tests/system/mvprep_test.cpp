@@ -305,6 +305,20 @@ TEST(Mvprep, exit_130_when_interrupted_and_the_next_run_goes_on) {
   EXPECT_TRUE(holds(rest.out, "skipped"));
 }
 
+TEST(Mvprep, an_interrupt_does_not_wait_for_the_end_of_a_stage) {
+  const TemporaryDirectory dir;
+  const pid_t child = start({"run", "-c", coarse_config(dir), "-o", dir / "case", "--set", "mesh.spacing=0.2 mm"}, dir);
+  while (!std::filesystem::exists(dir / "case") || hidden_files(dir / "case").empty()) usleep(1000);
+  const auto begin = std::chrono::steady_clock::now();
+  kill(child, SIGTERM);
+  const auto outcome = finish(child, dir);
+  EXPECT_EQ(outcome.code, 130) << outcome.out << outcome.err;
+  EXPECT_FALSE(holds(outcome.out, "source")) << "the stage was over: no test of an interrupt";
+  EXPECT_TRUE(holds(outcome.err, "interrupted"));
+  EXPECT_TRUE(hidden_files(dir / "case").empty());
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 2);
+}
+
 TEST(Mvprep, a_measured_annulus_with_measured_papillary_points_becomes_a_case) {
   const TemporaryDirectory dir;
   const std::string config = std::string(MV_SOURCE_DIR) + "/configs/normal_1.toml";

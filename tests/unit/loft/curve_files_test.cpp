@@ -48,7 +48,7 @@ const std::string three = R"({"position":[1,2,3],"positionStatus":"defined"},{"p
 TEST(CurveFiles, csv_gives_curves_annulus_and_papillary_points) {
   const TemporaryDirectory dir;
   std::string text = "curve,leaflet,x_mm,y_mm,z_mm,thickness_mm\n1,anterior,1,2,3,0.9\n1,anterior,2,2,3,1\n1,posterior,5,5,5,1\n1,anterior,3,2,3,1.1\n0,papillary_posteromedial,9,8,7,1\n";
-  for (int i = 0; i < 8; ++i) text += "0,annulus," + std::to_string(i) + ",0,0,1\n";
+  for (int i = 0; i < 8; ++i) text += "0,annulus," + std::to_string(15 * std::cos(0.8 * i)) + "," + std::to_string(15 * std::sin(0.8 * i)) + ",0,1\n";
   const CurveSet set = read(dir, "c.csv", text);
   ASSERT_EQ(set.curves.size(), 2u);
   EXPECT_EQ(set.curves[0].region, anterior);
@@ -63,12 +63,12 @@ TEST(CurveFiles, csv_gives_curves_annulus_and_papillary_points) {
 
 TEST(CurveFiles, csv_defects_are_named_with_their_line) {
   EXPECT_NAMES(message_of("c.csv", "leaflet,curve,x,y,z\n"), "column 'x_mm'");
-  EXPECT_NAMES(message_of("c.csv", "leaflet,curve,x_mm,y_mm,z_mm\nanterior,1,1,2,three\n"), "line 2: 'three'");
-  EXPECT_NAMES(message_of("c.csv", "leaflet,curve,x_mm,y_mm,z_mm\nanterior,1,1,2,nan\n"), "line 2: 'nan'");
+  EXPECT_NAMES(message_of("c.csv", "leaflet,curve,x_mm,y_mm,z_mm\nanterior,1,1,2,three\n"), "line 2: z_mm: 'three'");
+  EXPECT_NAMES(message_of("c.csv", "leaflet,curve,x_mm,y_mm,z_mm\nanterior,1,1,2,nan\n"), "line 2: z_mm: 'nan'");
   EXPECT_NAMES(message_of("c.csv", "leaflet,curve,x_mm,y_mm,z_mm\nanterior,1,1,2\n"), "4 values");
   EXPECT_NAMES(message_of("c.csv", "leaflet,curve,x_mm,y_mm,z_mm\nseptal,1,1,2,3\n"), "'septal'");
   EXPECT_NAMES(message_of("c.csv", "leaflet,curve,x_mm,y_mm,z_mm\n"), "no points");
-  EXPECT_NAMES(message_of("c.csv", ""), "column 'leaflet'");
+  EXPECT_NAMES(message_of("c.csv", ""), "is empty");
   EXPECT_NAMES(message_of("c.csv", "leaflet,curve,x_mm,y_mm,z_mm\nannulus,1,1,2,3\n"), "at least 8");
   EXPECT_NAMES(message_of("c.txt", "x"), "unknown kind");
 }

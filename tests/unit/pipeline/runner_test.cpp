@@ -5,7 +5,6 @@
 
 #include "geometry/core/errors.h"
 #include "pipeline/exit_status.h"
-#include "pipeline/interrupt.h"
 #include "unit/core/sample_case.h"
 
 using mv_test::TemporaryDirectory;
@@ -21,7 +20,6 @@ TEST(ExitStatus, every_kind_of_failure_has_its_code) {
   EXPECT_EQ(mv::exit_status([] { throw std::logic_error("x"); }), 70);
   EXPECT_EQ(mv::exit_status([] { throw std::bad_alloc(); }), 70);
   EXPECT_EQ(mv::exit_status([] { throw 3; }), 70);
-  EXPECT_EQ(mv::exit_status([] { throw mv::Interrupted{}; }), 130);
 }
 
 TEST(Runner, a_stage_without_what_it_needs_says_which_stage_to_run) {

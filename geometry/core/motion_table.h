@@ -5,6 +5,7 @@
 // (Fritsch & Carlson 1980), at rest at the first and the last row; constant outside. Displacement and velocity are continuous.
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "geometry/core/case.h"
@@ -24,6 +25,20 @@ class MotionTable {
   const std::vector<Vec3>& rest() const { return rest_; }  // mm, world frame
   Vec3 displacement(int point, double time) const;         // mm
   double largest() const;                                  // mm, over all points and times
+  const std::vector<double>& times() const { return times_; }  // s, of the rows
+
+  /// Between point a and the next one, b, at `share` of the way.
+  struct Place {
+    int a = 0, b = 0;
+    double share = 0;
+  };
+  /// The place nearest to x (mm) of the closed curve through the points at rest; `distance`: how far x lies from it, mm.
+  Place nearest(const Vec3& x, double* distance = nullptr) const;
+  /// The same for each held node of the mesh, in ascending order. Throws InputError, beginning with `name`, when one of them lies further from the curve than a leaflet's
+  /// thickness explains (3 mm).
+  std::vector<Place> places_of_annulus(const LeafletMesh& mesh, const std::string& name) const;
+  /// mm, linear between the two points.
+  Vec3 displacement(const Place& place, double time) const;
   bool changes(double t0, double t1) const { return t1 > times_.front() && t0 < times_.back(); }
 
  private:

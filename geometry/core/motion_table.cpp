@@ -1,32 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "solver/time/motion_table.h"
+#include "geometry/core/motion_table.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
-#include <sstream>
 
 #include "geometry/core/case_files.h"
+#include "geometry/core/csv_table.h"
 #include "geometry/core/errors.h"
 
 namespace mv {
 namespace {
 
-constexpr const char* columns[] = {"point", "time_s", "x_mm", "y_mm", "z_mm"};
 constexpr long most_points = 1'000'000;
-
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells;
-  std::stringstream stream(line);
-  for (std::string cell; std::getline(stream, cell, ',');) {
-    const auto first = cell.find_first_not_of(" \t\r"), last = cell.find_last_not_of(" \t\r");
-    cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
-  }
-  return cells;
-}
+constexpr double annulus_reach = 3;  // mm
 
 /// Slopes of a monotone cubic, zero at both ends.
 std::vector<double> slopes_of(const std::vector<double>& t, const std::vector<double>& y) {
@@ -65,6 +54,39 @@ Vec3 MotionTable::displacement(int point, double time) const {
   return (2 * s3 - 3 * s2 + 1) * u[i - 1] + (s3 - 2 * s2 + s) * h * m[i - 1] + (3 * s2 - 2 * s3) * u[i] + (s3 - s2) * h * m[i];
 }
 
+MotionTable::Place MotionTable::nearest(const Vec3& x, double* distance) const {
+  Place best;
+  double least = 1e300;
+  for (int a = 0; a < points(); ++a) {
+    const int b = (a + 1) % points();
+    const Vec3 &from = rest_[static_cast<std::size_t>(a)], along = rest_[static_cast<std::size_t>(b)] - from, to = x - from;
+    const double length2 = along.squaredNorm();
+    const double share = length2 > 0 ? std::clamp(to.dot(along) / length2, 0.0, 1.0) : 0.0;
+    const double d = (to - share * along).norm();
+    if (d < least) least = d, best = {a, b, share};
+  }
+  if (distance) *distance = least;
+  return best;
+}
+
+std::vector<MotionTable::Place> MotionTable::places_of_annulus(const LeafletMesh& mesh, const std::string& name) const {
+  std::vector<Place> places;
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+    if (!mesh.on_annulus[i]) continue;
+    double distance = 0;
+    places.push_back(nearest(mesh.points[i], &distance));
+    if (!(distance <= annulus_reach))
+      throw InputError(fmt::format("{}: annulus node {} at ({:.2f}, {:.2f}, {:.2f}) mm lies {:.2f} mm from the curve through the file's points, at most {:.2f} mm is expected; is the "
+                                   "file of this valve, in mm and in the same frame, with its points in order round the annulus?",
+                                   name, i, mesh.points[i].x(), mesh.points[i].y(), mesh.points[i].z(), distance, annulus_reach));
+  }
+  return places;
+}
+
+Vec3 MotionTable::displacement(const Place& p, double time) const {
+  return (1 - p.share) * displacement(p.a, time) + (p.share > 0 ? p.share : 0.0) * displacement(p.b, time);
+}
+
 double MotionTable::largest() const {
   double largest = 0;
   for (const auto& u : displacements_)
@@ -73,40 +95,22 @@ double MotionTable::largest() const {
 }
 
 MotionTable MotionTable::read(const std::filesystem::path& file) {
-  std::stringstream in(read_file(file));
-  const std::string name = file.string();
-  std::string line;
-  std::getline(in, line);
-  if (line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
-  const auto header = cells_of(line);
-  std::size_t at[5];
-  for (std::size_t c = 0; c < 5; ++c) {
-    const auto found = std::find(header.begin(), header.end(), columns[c]);
-    if (found == header.end()) throw InputError(fmt::format("{}: line 1: column '{}' is missing; expected point,time_s,x_mm,y_mm,z_mm", name, columns[c]));
-    at[c] = static_cast<std::size_t>(found - header.begin());
-  }
+  const CsvTable table(file, "point,time_s,x_mm,y_mm,z_mm");
+  const std::string& name = table.file();
+  const std::size_t of_point = table.column("point"), of_time = table.column("time_s"), x = table.column("x_mm"), y = table.column("y_mm"), z = table.column("z_mm");
   struct Row {
     double time;
     Vec3 x;
-    long line;
+    std::size_t row;
   };
   std::map<long, std::vector<Row>> rows;
-  for (long number = 2; std::getline(in, line); ++number) {
-    const auto cells = cells_of(line);
-    if (cells.empty() || (cells.size() == 1 && cells[0].empty())) continue;
-    double v[5];
-    for (std::size_t c = 0; c < 5; ++c) {
-      const std::string where = fmt::format("{}: line {}: column {}: ", name, number, columns[c]);
-      if (at[c] >= cells.size()) throw InputError(where + "missing");
-      const std::string& cell = cells[at[c]];
-      const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), v[c]);
-      if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(v[c])) throw InputError(where + "'" + cell + "' is no finite number");
-    }
-    const long point = std::lround(v[0]);
-    if (point < 0 || point > most_points || static_cast<double>(point) != v[0]) throw InputError(fmt::format("{}: line {}: point {} is no number 0, 1, 2 ...", name, number, v[0]));
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const double number = table.number(row, of_point), time = table.number(row, of_time);
+    if (!(number >= 0 && number <= most_points && number == std::floor(number))) throw InputError(fmt::format("{}: point {} is no number 0, 1, 2 ...", table.where(row), table.text(row, of_point)));
+    const long point = std::lround(number);
     auto& own = rows[point];
-    if (!own.empty() && !(v[1] > own.back().time)) throw InputError(fmt::format("{}: line {}: time {} s of point {} does not grow", name, number, v[1], point));
-    own.push_back({v[1], Vec3(v[2], v[3], v[4]), number});
+    if (!own.empty() && !(time > own.back().time)) throw InputError(fmt::format("{}: time {} s of point {} does not grow", table.where(row), time, point));
+    own.push_back({time, Vec3(table.number(row, x), table.number(row, y), table.number(row, z)), row});
   }
   if (rows.empty()) throw InputError(name + ": no rows below the header");
   std::vector<double> times;
@@ -121,7 +125,7 @@ MotionTable MotionTable::read(const std::filesystem::path& file) {
     rest.push_back(own.front().x);
     auto& u = displacements.emplace_back();
     for (std::size_t i = 0; i < own.size(); ++i) {
-      if (own[i].time != times[i]) throw InputError(fmt::format("{}: line {}: time {} s differs from point 0's {} s", name, own[i].line, own[i].time, times[i]));
+      if (own[i].time != times[i]) throw InputError(fmt::format("{}: time {} s differs from point 0's {} s", table.where(own[i].row), own[i].time, times[i]));
       u.push_back(own[i].x - own.front().x);
     }
   }
