@@ -113,6 +113,12 @@ void stage_command(const std::string& stage, const std::filesystem::path& case_d
 
 void check_command(const std::filesystem::path& case_directory) {
   const Config config = read_case_config(case_directory);
+  std::string stale;
+  const Manifest manifest = read_manifest(case_directory);
+  for (const Stage& stage : stage_table())
+    if (stage.name != "gates" && !is_up_to_date(stage, config, manifest, case_directory)) stale += (stale.empty() ? "" : ", ") + stage.name;
+  if (!stale.empty())
+    spdlog::warn("not what mvprep would make of {} now: {}; the gates judge the files as they are", (case_directory / "case.toml").string(), stale);
   try {
     run_one_stage("gates", config, case_directory, [](const StageReport&) {});
   } catch (const GateError&) {

@@ -20,6 +20,7 @@ namespace mv {
 namespace {
 
 constexpr double distinct_spacing = 1.3;  // ratio from which the longest voxel side is the distance of slices
+constexpr std::size_t most_copies = 4;    // equal slices in a row
 constexpr double noise_in_pixels = 0.5;   // of a curve point, for the discrepancy principle
 
 Vec3 vector_of(const Config& config, const char* key, double unit) {
@@ -107,6 +108,17 @@ std::vector<GreySlice> read_grey_slices(const Config& config, std::vector<std::s
   return slices_of(labels.image, stack_axis(config, labels.image), path.filename().string());
 }
 
+/// A slice that was copied over the stack is no valve.
+void check_copies(const std::vector<Slice>& slices, const std::string& name) {
+  std::size_t run = 1;
+  for (std::size_t k = 1; k < slices.size(); ++k) {
+    const auto& parts = slices[k].parts;
+    const bool has_leaflet = std::any_of(parts.begin(), parts.end(), [](std::uint8_t p) { return p == static_cast<std::uint8_t>(SlicePart::leaflet) || p == static_cast<std::uint8_t>(SlicePart::anterior) || p == static_cast<std::uint8_t>(SlicePart::posterior); });
+    run = has_leaflet && parts == slices[k - 1].parts ? run + 1 : 1;
+    if (run == most_copies) throw InputError(fmt::format("{}: slices {} to {} hold the same leaflets to the last pixel; expected a valve that changes from slice to slice", name, k + 2 - run, k + 1));
+  }
+}
+
 /// Grey values to parts; says what values there are when no leaflet is among them.
 std::vector<Slice> labelled(const Config& config, const std::vector<GreySlice>& grey) {
   const bool is_binary = config.text("curves.mask") == "binary";
@@ -124,6 +136,7 @@ std::vector<Slice> labelled(const Config& config, const std::vector<GreySlice>& 
       slices.back().parts.push_back(static_cast<std::uint8_t>(part));
     }
   }
+  check_copies(slices, config.path("curves.slices").string());
   std::string list;
   for (const auto& [value, count] : counts)
     if (list.size() < 200) list += fmt::format("{}{} ({} pixels)", list.empty() ? "" : ", ", value, count);

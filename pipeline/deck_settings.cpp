@@ -24,7 +24,13 @@ class Taker {
   explicit Taker(Config& config) : config_(config) {}
   void take(const std::string& key, const std::string& value) {
     if (config_.was_given(key)) return;
-    config_.set(key + "=" + value);
+    try {
+      config_.set(key + "=" + value);
+    } catch (const ConfigError& e) {
+      std::string text = e.what();
+      if (text.starts_with("--set: ")) text.erase(0, 7);
+      throw InputError(fmt::format("{} (deck.units = \"{}\"): {}; set the key to take another value", config_.text("deck.file"), config_.text("deck.units"), text));
+    }
     taken_ += fmt::format("{}{} = {}", taken_.empty() ? "" : ", ", key, value);
   }
   void report() const {
@@ -50,8 +56,8 @@ void take_user_law(const Config& config, const DeckMaterial& material, const std
     return;
   }
   const auto& names = config.texts("deck.user_properties");
-  if (names.size() > material.data.size())
-    throw ConfigError(fmt::format("key 'deck.user_properties' names {} constants, material '{}' has {}", names.size(), material.name, material.data.size()));
+  if (names.size() != material.data.size())
+    throw ConfigError(fmt::format("key 'deck.user_properties' names {} constants, material '{}' has {}; expected one name each, - for those not to take", names.size(), material.name, material.data.size()));
   taker.take(at + "law", law);
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i] == "-") continue;
@@ -186,6 +192,7 @@ DeckSettings deck_settings(const Config& config) {
   if (deck.friction) taker.take("contact.friction", fmt::format("{:.12g}", *deck.friction));
   if (valve.pressure) {
     const bool is_smooth = valve.pressure_amplitude.is_smooth;
+    if (*valve.pressure == 0) spdlog::warn("{}: the pressure on the leaflets is 0: nothing closes; set pressure.peak", config.text("deck.file"));
     taker.take("pressure.peak", fmt::format("{:.12g} Pa", *valve.pressure));
     taker.take("pressure.waveform", is_smooth ? "smooth" : "ramp");
     taker.take("pressure.rise_time", fmt::format("{:.12g} ms", 1e3 * duration));

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 
+#include "geometry/annulus/annulus_check.h"
 #include "geometry/annulus/annulus_fit.h"
 #include "geometry/core/errors.h"
 #include "geometry/core/leaflet_names.h"
@@ -115,6 +116,14 @@ SourceGeometry make_deck_source(const Config& config) {
 
   NormalHints hints;
   hints.papillary_points = valve.tips.empty() ? points_at(valve, valve.free_edge) : valve.tips;
+  const std::string file = config.path("deck.file").string();
+  const auto add = [&](const std::vector<std::string>& notes) { source.notes.insert(source.notes.end(), notes.begin(), notes.end()); };
+  try {
+    add(check_annulus_curve(clean_closed_curve(source.annulus_curve, nullptr, file), file));
+    if (!valve.tips.empty()) add(check_papillary_points(valve.tips, source.annulus_curve, file));
+  } catch (const InputError& e) {
+    throw InputError(std::string(e.what()) + " (deck.units = \"" + config.text("deck.units") + "\")");
+  }
   const Annulus annulus = fit_annulus(source.annulus_curve, hints);
   surface.axis = annulus.normal;
   source.anterior_direction = anterior_direction(valve, annulus);

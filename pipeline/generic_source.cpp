@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "geometry/annulus/annulus_check.h"
 #include "geometry/annulus/annulus_fit.h"
@@ -15,6 +16,8 @@
 
 namespace mv {
 namespace {
+
+constexpr double same_point = 1e-3;  // mm
 
 GenericValveParameters parameters_of(const Config& config) {
   GenericValveParameters p;
@@ -97,7 +100,12 @@ SourceGeometry make_generic_source(const Config& config) {
   const double spacing = config.number_in("mesh.spacing", "mm");
   const bool is_real = !config.text("generic.annulus").empty();
   std::vector<Vec3> papillary_points;
-  if (!config.text("generic.papillary").empty()) papillary_points = read_points_csv(config.path("generic.papillary"));
+  if (!config.text("generic.papillary").empty()) {
+    const auto file = config.path("generic.papillary");
+    papillary_points = read_points_csv(file);
+    if (std::none_of(papillary_points.begin(), papillary_points.end(), [&](const Vec3& p) { return (p - papillary_points.front()).norm() > same_point; }))
+      throw InputError(fmt::format("{}: {} papillary points, at one place; expected two distinct tips or more points of both muscles", file.string(), papillary_points.size()));
+  }
 
   SourceGeometry source;
   const GenericValve valve =

@@ -17,6 +17,8 @@ namespace {
 constexpr const char* exit_codes =
     "Exit codes: 0 done, 2 usage, 3 config, 4 input data, 5 geometry or mesh gate, 7 input/output, 70 our bug, 130 interrupted.";
 
+const CLI::Validator not_empty([](const std::string& text) { return text.empty() ? std::string("is empty; expected the name of a directory") : std::string(); }, "DIR");
+
 void add_settings(CLI::App& command, std::vector<std::string>& settings) {
   command.add_option("--set", settings, "Override one key, e.g. --set mesh.spacing=\"0.7 mm\"; may be repeated")
       ->type_name("KEY=VALUE")
@@ -26,7 +28,7 @@ void add_settings(CLI::App& command, std::vector<std::string>& settings) {
 void add_config_and_case(CLI::App& command, mv::RunOptions& options) {
   command.add_option("-c,--config", options.config, "Configuration (TOML); `mvprep config` prints one with every key")
       ->required();
-  command.add_option("-o,--output", options.case_directory, "Case directory to write")->required();
+  command.add_option("-o,--output", options.case_directory, "Case directory to write")->required()->check(not_empty);
   add_settings(command, options.settings);
 }
 

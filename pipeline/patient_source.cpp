@@ -127,6 +127,7 @@ SourceGeometry make_patient_source(const Config& config, RawLeaflets raw) {
   const std::string name = config.text("patient.papillary").empty() ? "papillary points" : config.path("patient.papillary").string();
   if (!raw.papillary_points.empty())
     for (const std::string& note : check_papillary_points(raw.papillary_points, leaflets.annulus.points, name)) leaflets.report.notes.push_back(note);
+  for (const std::string& note : check_annulus_curve(leaflets.annulus.points, "annulus of the leaflets", 0)) leaflets.report.notes.push_back(note);
   const LeafletSurfaceReport& r = leaflets.report;
   spdlog::info("leaflets: annulus by {}, atrial side by {}, leaflets by {}", r.annulus_rule, r.normal_rule, r.region_rule);
   spdlog::info("leaflets: smoothing moved the annulus by {:.2f} mm rms, {:.2f} mm at most, the surface by {:.2f} mm mean, {:.2f} mm at most",

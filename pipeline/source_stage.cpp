@@ -12,6 +12,17 @@
 #include "pipeline/surface_source.h"
 
 namespace mv {
+namespace {
+
+/// The file that a source is mainly made from, as configured; empty for a valve without any.
+std::string main_file(const Config& config, const std::string& kind) {
+  const std::string key = kind == "generic" ? "generic.annulus" : kind == "labels" ? "labels.file" : kind == "surface" ? "surface.file" : kind == "deck" ? "deck.file" : "curves.slices";
+  if (!config.text(key).empty()) return config.path(key).string();
+  if (kind == "curves" && !config.texts("curves.files").empty()) return config.paths("curves.files").front().string();
+  return "";
+}
+
+}  // namespace
 
 const std::vector<SourceKind>& source_kinds() {
   static const std::vector<SourceKind> kinds = {
@@ -27,7 +38,14 @@ const std::vector<SourceKind>& source_kinds() {
 SourceGeometry make_source(const Config& config) {
   const std::string& wanted = config.text("source.kind");
   for (const SourceKind& kind : source_kinds()) {
-    if (kind.name == wanted) return kind.make(config);
+    if (kind.name != wanted) continue;
+    try {
+      return kind.make(config);
+    } catch (const InputError& e) {
+      // What is found in the shape of the whole does not know its file.
+      const std::string file = main_file(config, wanted);
+      throw InputError(file.empty() || std::string(e.what()).find("inputs/") != std::string::npos || std::string(e.what()).find(file) != std::string::npos ? e.what() : file + ": " + e.what());
+    }
   }
   throw ConfigError("key 'source.kind' = \"" + wanted + "\": this build does not hold that source");
 }

@@ -28,7 +28,7 @@ const std::vector<Stage>& stage_table() {
       {"fibers", "collagen directions",
        {"fibers", "deck", "source.kind"}, {"annulus", "mesh", "chordae"}, {"leaflets.vtu"}, run_fibers_stage},
       {"tube", "blood tube and fluid grid",
-       {"tube", "annulus.motion", "fluid.enabled"}, {"source", "annulus", "mesh"}, {"tube.vtu"}, run_tube_stage},
+       {"tube", "annulus.motion", "papillary.motion", "fluid.enabled"}, {"source", "annulus", "mesh"}, {"tube.vtu"}, run_tube_stage},
       {"gates", "checks of everything",
        {"gates", "mesh.layers", "mesh.path", "fibers", "fluid.enabled", "tube.spacing", "tube.contain_tips"}, {"source", "annulus", "mesh", "chordae", "fibers", "tube"},
        {"quality.json"}, run_gates_stage},

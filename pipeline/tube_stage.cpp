@@ -3,13 +3,18 @@
 
 #include <fmt/format.h>
 
+#include "geometry/annulus/annulus_check.h"
+#include "geometry/annulus/closed_curve.h"
 #include "geometry/core/case_files.h"
+#include "geometry/core/errors.h"
 #include "geometry/core/log.h"
 #include "geometry/core/motion_table.h"
 
 namespace mv {
 namespace {
 
+constexpr double farthest = 60;      // mm, of any movement
+constexpr double odd_duration = 20;  // of the run
 constexpr double odd_stretch = 0.4;  // of the annulus' length; life's stays below a fifth
 
 double length_of(const std::vector<Vec3>& curve) {
@@ -18,20 +23,37 @@ double length_of(const std::vector<Vec3>& curve) {
   return length;
 }
 
-/// All places of a moving annulus belong into the tube.
-void contain_motion(const std::filesystem::path& file, const LeafletMesh& mesh, const Annulus& annulus, TubeOptions& options) {
-  const MotionTable motion = MotionTable::read(file);
-  const auto places = motion.places_of_annulus(mesh, file.string());
+/// Motions that end long after the run: times in milliseconds.
+void warn_of_slowness(const MotionTable& motion, const Config& config, const std::string& file) {
+  if (const double end = config.number("time.end"); motion.times().back() > odd_duration * end)
+    spdlog::warn("{}: the motion ends at {:.4g} s, the run at {:.4g} s (time.end): are the times in seconds?", file, motion.times().back(), end);
+}
+
+void warn_of_stretch(const MotionTable& motion, const Annulus& annulus, const std::string& file) {
   const double rest = length_of(annulus.points);
+  for (const double time : motion.times()) {
+    std::vector<Vec3> moved = annulus.points;
+    for (Vec3& p : moved) p += motion.displacement(motion.nearest(p), time);
+    if (const double stretch = length_of(moved) / rest - 1; std::abs(stretch) > odd_stretch)
+      spdlog::warn("{}: at {:.4g} s the annulus is {:.0f} % {} than at rest; in life it changes by 5 to 20 %", file, time, 100 * std::abs(stretch), stretch > 0 ? "longer" : "shorter");
+  }
+}
+
+/// All places of a moving annulus belong into the tube.
+void contain(const MotionTable& motion, const std::vector<MotionTable::Place>& places, const LeafletMesh& mesh, TubeOptions& options) {
   for (const double time : motion.times()) {
     std::size_t k = 0;
     for (std::size_t i = 0; i < mesh.points.size(); ++i)
       if (mesh.on_annulus[i]) options.contained.push_back(mesh.points[i] + motion.displacement(places[k++], time));
-    std::vector<Vec3> moved = annulus.points;
-    for (Vec3& p : moved) p += motion.displacement(motion.nearest(p), time);
-    if (const double stretch = length_of(moved) / rest - 1; std::abs(stretch) > odd_stretch)
-      spdlog::warn("tube: {}: at {:.4g} s the annulus is {:.0f} % {} than at rest; in life it changes by 5 to 20 %", file.string(), time, 100 * std::abs(stretch), stretch > 0 ? "longer" : "shorter");
   }
+}
+
+/// Throws InputError for a motion that no valve makes.
+void check_motion(const MotionTable& motion, const Config& config, const std::string& file) {
+  motion.check_speed(file);
+  if (motion.largest() > farthest)
+    throw InputError(fmt::format("{}: a point moves by {:.0f} mm, more than {:.0f} mm; in life it is 5 to 20 mm: are the places in mm?", file, motion.largest(), farthest));
+  warn_of_slowness(motion, config, file);
 }
 
 }  // namespace
@@ -47,7 +69,21 @@ Tube make_tube(const Config& config, const Annulus& annulus, const LeafletMesh& 
   options.harmonics = static_cast<int>(config.integer("tube.harmonics"));
   options.contained = mesh.points;
   if (config.flag("tube.contain_tips")) options.tips = papillary.tips;
-  if (config.flag("fluid.enabled") && !config.text("annulus.motion").empty()) contain_motion(config.path("annulus.motion"), mesh, annulus, options);
+  if (!config.text("annulus.motion").empty()) {
+    const auto file = config.path("annulus.motion");
+    const MotionTable motion = MotionTable::read(file);
+    for (const std::string& note : check_annulus_curve(clean_closed_curve(motion.rest(), nullptr, file.string()), file.string(), 0)) spdlog::warn("{}", note);
+    const auto places = motion.places_of_annulus(mesh, file.string());
+    check_motion(motion, config, file.string());
+    warn_of_stretch(motion, annulus, file.string());
+    if (config.flag("fluid.enabled")) contain(motion, places, mesh, options);
+  }
+  if (!config.text("papillary.motion").empty()) {
+    const auto file = config.path("papillary.motion");
+    const MotionTable motion = MotionTable::read(file);
+    motion.check_tips(papillary.tips, file.string());
+    check_motion(motion, config, file.string());
+  }
   return build_tube(annulus, options, report);
 }
 

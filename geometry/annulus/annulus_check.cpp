@@ -124,8 +124,6 @@ std::vector<std::string> check_annulus_curve(const std::vector<Vec3>& curve, con
 
 std::vector<std::string> check_papillary_points(const std::vector<Vec3>& points, const std::vector<Vec3>& curve, const std::string& name) {
   const Vec3 centre = middle(curve);
-  if (std::none_of(points.begin(), points.end(), [&](const Vec3& p) { return (p - points.front()).norm() > 1e-3; }))
-    throw InputError(fmt::format("{}: {} papillary points, at one place; expected two distinct tips or more points of both muscles", name, points.size()));
   double most = 0;
   Vec3 far = centre;
   for (const Vec3& p : points)

@@ -15,8 +15,7 @@ namespace mv {
 /// Returns what is odd, for a warning: a size no human annulus has, a long stretch without points. Throws InputError that begins with `name`.
 std::vector<std::string> check_annulus_curve(const std::vector<Vec3>& curve, const std::string& name, int harmonics = 8);
 
-/// Papillary points of the annulus `curve`: throws InputError when there are not two distinct ones, or one lies more than 200 mm from its middle; returns a warning beyond 80 mm:
-/// another unit or space.
+/// Papillary points of the annulus `curve`: throws InputError when one lies more than 200 mm from its middle, returns a warning beyond 80 mm: another unit or space.
 std::vector<std::string> check_papillary_points(const std::vector<Vec3>& points, const std::vector<Vec3>& curve, const std::string& name);
 
 }  // namespace mv

@@ -54,11 +54,12 @@ std::string split_unit(const std::string& column, double& to_mm, const std::stri
 struct CsvColumns {
   std::map<std::string, std::size_t> index;
   std::map<std::string, double> to_mm;
+  bool has_own_unit = false;  // one that differs from the file's
 
   bool has(const std::string& name) const { return index.count(name) > 0; }
 };
 
-CsvColumns read_header(const CsvTable& table) {
+CsvColumns read_header(const CsvTable& table, double unit_in_mm) {
   CsvColumns columns;
   for (std::size_t c = 0; c < table.columns().size(); ++c) {
     double to_mm = 0;
@@ -66,6 +67,7 @@ CsvColumns read_header(const CsvTable& table) {
     if (name.empty()) continue;
     columns.index[name] = c;
     columns.to_mm[name] = to_mm;
+    columns.has_own_unit = columns.has_own_unit || (to_mm > 0 && name != "area" && to_mm != unit_in_mm);
   }
   for (const char* needed : {"x0", "y0", "z0", "x1", "y1", "z1"})
     if (!columns.has(needed)) throw InputError(fmt::format("{}: line 1: column '{}' (or '{}_mm') is missing; expected {}", table.file(), needed, needed, csv_header));
@@ -77,7 +79,8 @@ CsvColumns read_header(const CsvTable& table) {
 RawChordae read_chordae_csv(const std::filesystem::path& file, const ChordaeFileOptions& options) {
   NetworkBuilder network(file, options);
   const CsvTable table(file, csv_header);
-  const CsvColumns columns = read_header(table);
+  const CsvColumns columns = read_header(table, network.scale());
+  if (columns.has_own_unit && options.unit != "mm") network.note("the columns name their own unit; chordae.file_unit = \"" + options.unit + "\" is not used for them");
   for (std::size_t row = 0; row < table.rows(); ++row) {
     const std::string where = table.line(row), place = table.where(row);
     const auto text = [&](const std::string& name) -> const std::string& { return table.text(row, columns.index.at(name)); };

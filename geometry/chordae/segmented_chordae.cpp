@@ -16,6 +16,8 @@
 namespace mv {
 namespace {
 
+constexpr double odd_rest = 3;  // of the length in the segmentation
+
 // The last piece of a chorda, in influence radii, may touch the leaflet it ends on.
 constexpr double spared_radii = 1.5;
 // A network whose nearest point is further from the leaflets than this share of their extent was given in another unit or space.
@@ -342,6 +344,7 @@ class Attachment {
       report_.notes.push_back(fmt::format("{} influence spheres enlarged until they hold both faces of the leaflet", report_.radius_enlarged));
     int taut = 0;
     double most_taut = 0;
+    int long_rests = 0;
     for (std::size_t s = 0; s < network_.segments.size(); ++s) {
       const Network::Segment& segment = network_.segments[s];
       ChordaSegment c;
@@ -356,12 +359,15 @@ class Attachment {
       c.rest_length = std::isnan(segment.rest_length) ? std::max(options_.slack * segment.length, initial) : options_.slack * segment.rest_length;
       taut += c.rest_length < initial * (1 - 1e-6);
       most_taut = std::max(most_taut, initial / c.rest_length - 1);
+      long_rests += !std::isnan(segment.rest_length) && c.rest_length > odd_rest * initial;
       out.segments.push_back(c);
       const double spared = roles_[at(segment.b)].kind == PointRole::end ? spared_radii * radius_of[at(segment.b)] : 0;
       if (const auto place = probe_.crossing(out.points[at(c.a)], out.points[at(c.b)], spared)) {
         if (report_.crossings++ < 5) report_.notes.push_back("a chorda passes through a leaflet at " + place_text(*place));
       }
     }
+    if (long_rests > 0)
+      report_.notes.push_back(fmt::format("{} segments have rest lengths of more than {:.0f} times their length: they may never carry; is the unit right (chordae.file_unit)?", long_rests, odd_rest));
     if (taut > 0) report_.notes.push_back(fmt::format("{} segments are stretched at the start, by {:.0f} % at most: their rest length in the file is below their length", taut, 100 * most_taut));
     return out;
   }

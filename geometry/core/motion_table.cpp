@@ -15,7 +15,8 @@ namespace mv {
 namespace {
 
 constexpr long most_points = 1'000'000;
-constexpr double annulus_reach = 3;  // mm
+constexpr double annulus_reach = 3, tip_reach = 10;  // mm
+constexpr double fastest = 20;  // m/s
 
 /// Slopes of a monotone cubic, zero at both ends.
 std::vector<double> slopes_of(const std::vector<double>& t, const std::vector<double>& y) {
@@ -81,6 +82,24 @@ std::vector<MotionTable::Place> MotionTable::places_of_annulus(const LeafletMesh
                                    name, i, mesh.points[i].x(), mesh.points[i].y(), mesh.points[i].z(), distance, annulus_reach));
   }
   return places;
+}
+
+void MotionTable::check_tips(const std::vector<Vec3>& tips, const std::string& name) const {
+  if (rest_.size() != tips.size()) throw InputError(fmt::format("{}: holds {} points, the case has {} papillary tips", name, rest_.size(), tips.size()));
+  for (std::size_t t = 0; t < tips.size(); ++t)
+    if (const double off = (rest_[t] - tips[t]).norm(); off > tip_reach)
+      throw InputError(fmt::format("{}: point {} starts at ({:.1f}, {:.1f}, {:.1f}) mm, {:.1f} mm from papillary tip {} at ({:.1f}, {:.1f}, {:.1f}) mm, at most {:.0f} mm is expected; is the file of this valve, in "
+                                   "mm and in the same frame, with its points numbered as in papillary.vtp?",
+                                   name, t, rest_[t].x(), rest_[t].y(), rest_[t].z(), off, t, tips[t].x(), tips[t].y(), tips[t].z(), tip_reach));
+}
+
+void MotionTable::check_speed(const std::string& name) const {
+  constexpr double metres_per_mm = 1e-3;
+  for (std::size_t p = 0; p < displacements_.size(); ++p)
+    for (std::size_t i = 1; i < times_.size(); ++i)
+      if (const double speed = metres_per_mm * (displacements_[p][i] - displacements_[p][i - 1]).norm() / (times_[i] - times_[i - 1]); speed > fastest)
+        throw InputError(fmt::format("{}: point {} moves at {:.3g} m/s between {:.6g} and {:.6g} s, more than {:.0f} m/s; in life it is 0.1 to 0.3 m/s: are the times in seconds and the places in mm?", name, p, speed,
+                                     times_[i - 1], times_[i], fastest));
 }
 
 Vec3 MotionTable::displacement(const Place& p, double time) const {

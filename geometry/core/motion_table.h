@@ -37,6 +37,10 @@ class MotionTable {
   /// The same for each held node of the mesh, in ascending order. Throws InputError, beginning with `name`, when one of them lies further from the curve than a leaflet's
   /// thickness explains (3 mm).
   std::vector<Place> places_of_annulus(const LeafletMesh& mesh, const std::string& name) const;
+  /// Throws InputError, beginning with `name`, unless the file holds a point for each tip (mm), not far from it (10 mm).
+  void check_tips(const std::vector<Vec3>& tips, const std::string& name) const;
+  /// Throws InputError, beginning with `name`, when a point moves faster than 20 m/s between two rows: times in another unit.
+  void check_speed(const std::string& name) const;
   /// mm, linear between the two points.
   Vec3 displacement(const Place& place, double time) const;
   bool changes(double t0, double t1) const { return t1 > times_.front() && t0 < times_.back(); }

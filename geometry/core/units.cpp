@@ -141,7 +141,7 @@ double parse_quantity(std::string_view text, Dimension dimension, const std::str
   if (dimension == Dimension::none) return unit.empty() ? value : refuse("");
   if (unit.empty()) return refuse("the unit is missing; ");
   const Unit* u = find_unit(unit);
-  if (!u) return refuse("unknown unit '" + std::string(unit) + "'; ");
+  if (!u) return refuse("unknown unit '" + std::string(unit) + "'" + (unit.starts_with(",") ? ": numbers need decimal points" : "") + "; ");
   if (u->dimension != dimension) return refuse("'" + std::string(unit) + "' is a unit of " + dimension_name(u->dimension) + "; ");
   return value * u->factor;
 }

@@ -81,6 +81,7 @@ bool DeckParser::read_material(const Block& block) {
   if (k == "density") {
     if (block.data.empty()) fail(block.place, "*DENSITY has no data line; expected a number");
     material_->density = deck_number(deck_.lines, block.data[0].place, block.data[0].fields[0], "a density");
+    if (!(material_->density > 0)) fail(block.data[0].place, fmt::format("density {:.6g}; expected a positive number", material_->density));
     return true;
   }
   if (block.has("test data input")) fail(block.place, "laws by TEST DATA INPUT are not understood; write the coefficients that Abaqus fitted (in its .dat file)");
@@ -234,9 +235,9 @@ void DeckParser::read_section(const Block& block) {
   const bool has_size = section.kind != "beam" || upper(block.option("section")) == "CIRC";
   if (has_size && !block.data.empty() && !block.data[0].fields[0].empty()) {
     section.size = deck_number(deck_.lines, block.data[0].place, block.data[0].fields[0], "a thickness or an area");
+    if (!(section.size > 0)) fail(block.data[0].place, fmt::format("thickness or area {:.6g}; expected a positive number", section.size));
     if (section.kind == "beam") section.size = std::acos(-1.0) * section.size * section.size;
   }
-  if (section.size < 0) fail(block.data[0].place, "thickness or area is negative");
   part_->sections.push_back(section);
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/generic/pattern_mesh.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -24,6 +26,17 @@ constexpr double border_over_longest = 0.88;
 constexpr double border_clearance = 0.7;
 constexpr double longest_over_spacing_limit = 1.25;
 constexpr double smallest_angle_limit = 20;  // degrees
+constexpr double most_triangles = 1e6;       // a minute's work; no explicit solver would end with the tetrahedra on them
+
+void check_size(const PatternSurface& pattern, double spacing) {
+  constexpr int columns = 360;
+  double area = 0;
+  for (int i = 0; i < columns; ++i) area += pattern.height(pattern.perimeter * (i + 0.5) / columns) * pattern.perimeter / columns;
+  const double edge = mean_over_longest * spacing, triangles = area / (0.25 * std::sqrt(3.0) * edge * edge);
+  if (triangles > most_triangles)
+    throw ConfigError(fmt::format("key 'mesh.spacing' = {:.3g} mm: leaflets of {:.0f} mm2 would need {:.2g} million triangles, more than {:.0f} million are not made; raise it to {:.2g} mm or more, or check the unit of the valve's data", spacing,
+                                  area, 1e-6 * triangles, 1e-6 * most_triangles, spacing * std::sqrt(triangles / most_triangles) * 1.01));
+}
 
 int pieces(double length, double size) { return std::max(2, static_cast<int>(std::ceil(length / size - 1e-9))); }
 
@@ -231,6 +244,7 @@ MidSurface mesh_pattern(const FlatPattern& pattern, const ConeWrap& wrap, double
 }
 
 MidSurface mesh_pattern(const PatternSurface& pattern, double spacing, SurfaceMeshReport* report) {
+  check_size(pattern, spacing);
   if (!(spacing > 0)) throw ConfigError("mesh.spacing must be positive");
   const Border border = sample_border(pattern, border_over_longest * spacing);
   MidSurface s;

@@ -25,7 +25,8 @@ struct PatternSurface {
 /// commissure columns are sampled by arc length; interior points start on staggered rows and are evened out by incremental
 /// remeshing (split, collapse, Delaunay flips with the angles in space, smoothing); every point stays exactly on the wrapped
 /// surface because it lives in (u, v). Deterministic. Aim: no edge longer than `spacing` on the mid-surface and on both faces,
-/// which lie thickness/2 off it. Throws GateError when an edge is longer than 1.25 spacing or an angle falls below 20 degrees.
+/// which lie thickness/2 off it. Throws ConfigError when more than a
+/// million triangles would be needed, GateError when an edge is longer than 1.25 spacing or an angle falls below 20 degrees.
 MidSurface mesh_pattern(const PatternSurface& surface, double spacing, SurfaceMeshReport* report = nullptr);
 /// The same of the generic valve.
 MidSurface mesh_pattern(const FlatPattern& pattern, const ConeWrap& wrap, double spacing, double thickness,

@@ -89,7 +89,7 @@ void check_dimensions(const NiftiHeader& h, const std::string& name) {
       fail(name, fmt::format("holds more than one volume (dim[{}] = {}): a label map is one 3D volume; extract the frame you want, with one label per voxel",
                              i, h.dim[i]));
   if (h.dim[0] < 3 || h.dim[1] < 2 || h.dim[2] < 2 || h.dim[3] < 2)
-    fail(name, fmt::format("holds a single slice ({} x {} x {} voxels): a label map needs a volume; for slices use source.kind = \"curves\"", h.dim[1],
+    fail(name, fmt::format("holds a single slice ({} x {} x {} voxels): a valve needs several slices", h.dim[1],
                            h.dim[0] < 2 ? 1 : h.dim[2], h.dim[0] < 3 ? 1 : h.dim[3]));
 }
 

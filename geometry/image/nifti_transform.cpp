@@ -10,6 +10,8 @@
 namespace mv {
 namespace {
 
+constexpr double skewed = 1e-3;  // of the volume: axes some 2.5 degrees off
+
 using Transform = Eigen::Matrix<double, 3, 4>;
 
 [[noreturn]] void fail(const std::string& name, const std::string& what) { throw InputError(name + ": " + what); }
@@ -137,6 +139,8 @@ Transform nifti_transform(const NiftiHeader& h, const NiftiOptions& options, con
   const double product = sizes.prod(), determinant = t.leftCols<3>().determinant();
   if (!(std::abs(determinant) > 1e-3 * product))
     fail(name, "the voxel axes are singular (two coincide, or one has no length), so the image has no volume:" + text_of(t));
+  if (std::abs(determinant) < (1 - skewed) * product)
+    notes.push_back(fmt::format("the voxel axes are not at right angles (volume of a voxel {:.1f} % below that of its edges): the valve is deformed if that is not meant", 100 * (1 - std::abs(determinant) / product)));
   if (determinant < 0) notes.push_back("left-handed voxel axes (negative determinant), as in radiological order");
   return t;
 }

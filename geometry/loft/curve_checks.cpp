@@ -13,6 +13,8 @@
 namespace mv {
 namespace {
 
+constexpr double annulus_off_hinges = 15;  // mm
+
 constexpr double shortest = 1, longest = 150;  // mm, of any leaflet curve
 constexpr std::size_t neighbours = 4;          // curves that vote on a direction
 
@@ -199,6 +201,11 @@ void orient_curves(CurveSet& set, bool is_order_meant) {
       if (c.is_hinge_first || c.end == CurveEnd::annulus) continue;
       if (distance_to(set.annulus_curve, c.points.back()) < distance_to(set.annulus_curve, c.points.front())) turn(c), turned[i] ^= 1;
     }
+    std::vector<double> off;
+    for (const LeafletCurve& c : set.curves) off.push_back(distance_to(set.annulus_curve, c.points.front()));
+    std::nth_element(off.begin(), off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2), off.end());
+    if (!off.empty() && off[off.size() / 2] > annulus_off_hinges)
+      throw InputError(fmt::format("the drawn annulus lies {:.0f} mm from the ends of the leaflet curves (median); expected them on it: another space (RAS, LPS), unit or valve?", off[off.size() / 2]));
   } else {
     agree_with_neighbours(set, turned);
     const bool some_known = std::any_of(set.curves.begin(), set.curves.end(), [](const auto& c) { return c.is_hinge_first; });
@@ -208,6 +215,9 @@ void orient_curves(CurveSet& set, bool is_order_meant) {
         if (set.curves[i].end != CurveEnd::annulus) turn(set.curves[i]), turned[i] ^= 1;
       if (is_order_meant) set.notes.push_back("all curves were drawn from the free edge to the annulus, as the papillary points tell; turned");
     }
+    if (is_order_meant && !some_known && !sure)
+      set.notes.push_back(fmt::format("the curves are taken as drawn from annulus to free edge; nothing in the data confirms it (papillary points or a drawn annulus would){}",
+                                      ring_size(set, false) < ring_size(set, true) ? ", and their first ends form the smaller ring" : ""));
   }
   const auto count = std::count(turned.begin(), turned.end(), 1);
   if (!is_order_meant || count == static_cast<long>(set.curves.size())) return;

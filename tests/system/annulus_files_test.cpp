@@ -123,3 +123,51 @@ TEST(AnnulusFiles, papillary_points_that_do_not_belong_to_the_annulus_are_named)
   expect(generic(text, csv({papillary[0]})), 4, "tips.csv", "1 papillary points, at one place");
   expect(generic(text, "x_mm,y_mm,z_mm\n"), 4, "tips.csv", "no points");
 }
+
+namespace {
+
+/// `mvprep run` of the generic valve with a motion file for the annulus or the papillary tips.
+Outcome moved(const std::string& key, const std::string& text) {
+  const TemporaryDirectory dir;
+  std::ofstream(dir / "motion.csv") << text;
+  std::ofstream(dir / "c.toml") << "[mesh]\nspacing = \"1.5 mm\"\n[tube]\nspacing = \"4 mm\"\n[" << key << "]\nmotion = \"motion.csv\"\n";
+  const std::string command = "timeout 60 " + std::string(MV_BIN_DIR) + "/mvprep run -c '" + (dir / "c.toml").string() + "' -o '" + (dir / "case").string() + "' > '" + (dir / "stdout").string() + "' 2> '" +
+                              (dir / "stderr").string() + "'";
+  const int status = std::system(command.c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, mv::read_file(dir / "stderr")};
+}
+
+std::string motion(const Points& points, const std::function<Vec3(const Vec3&)>& to, double end = 0.1) {
+  std::ostringstream out;
+  out << "point,time_s,x_mm,y_mm,z_mm\n";
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3 &a = points[i], b = to(a);
+    out << i << ",0," << a.x() << ',' << a.y() << ',' << a.z() << '\n' << i << ',' << end << ',' << b.x() << ',' << b.y() << ',' << b.z() << '\n';
+  }
+  return out.str();
+}
+
+}  // namespace
+
+TEST(MotionFiles, what_cannot_be_of_this_valve_is_refused_where_the_tube_is_made) {
+  Points ring;  // of the generic valve
+  for (int i = 0; i < 90; ++i) ring.emplace_back(19 * std::cos(2 * M_PI * i / 90), 15 * std::sin(2 * M_PI * i / 90), 0);
+  const auto smaller = [](const Vec3& p) { return Vec3(0.9 * p); };
+  EXPECT_EQ(moved("annulus", motion(ring, smaller)).code, 0);
+  Points changed = ring;
+  for (Vec3& p : changed) p.x() += 200;
+  expect(moved("annulus", motion(changed, smaller)), 4, "motion.csv", "is the file of this valve");
+  changed = ring;
+  for (Vec3& p : changed) p *= 1e-3;
+  expect(moved("annulus", motion(changed, smaller)), 4, "motion.csv", "metres instead of millimetres");
+  changed = ring;
+  std::shuffle(changed.begin(), changed.end(), std::mt19937(3));
+  expect(moved("annulus", motion(changed, smaller)), 4, "motion.csv", "not in order");
+  expect(moved("annulus", motion({ring.begin(), ring.begin() + 3}, smaller)), 4, "motion.csv", "3 points, at least 8");
+  expect(moved("annulus", motion(ring, smaller, 1e-5)), 4, "motion.csv", "are the times in seconds");
+  expect(moved("annulus", motion(ring, smaller, 100)), 0, "motion.csv", "are the times in seconds?");
+  expect(moved("annulus", motion(ring, [](const Vec3& p) { return Vec3(2 * p); })), 0, "motion.csv", "100 % longer than at rest");
+  expect(moved("annulus", motion(ring, [](const Vec3& p) { return Vec3(p + Vec3(0, 0, 70)); })), 4, "motion.csv", "a point moves by 70 mm");
+  expect(moved("papillary", motion({ring[0]}, smaller)), 4, "motion.csv", "holds 1 points");
+  expect(moved("papillary", motion({ring[0], ring[50]}, smaller)), 4, "motion.csv", "mm from papillary tip 0");
+}

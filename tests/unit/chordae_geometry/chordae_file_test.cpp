@@ -125,6 +125,8 @@ TEST_F(ChordaeFile, bad_files_are_named_with_line_and_reason) {
       {"area.csv", "x0,y0,z0,x1,y1,z1,area\n0,0,0,1,0,0,-1\n", "expected a positive number"},
       {"none.csv", "x0,y0,z0,x1,y1,z1\n", "no chordae segment"},
       {"empty.csv", "", "is empty"},
+      {"negative.csv", "x0,y0,z0,x1,y1,z1,diameter\n0,0,0,1,0,0,-0.5\n", "cross-section is -"},
+      {"thick.csv", "x0,y0,z0,x1,y1,z1,diameter\n0,0,0,1,0,0,50\n", "a cross-section of 1.96e+03 mm2"},
       {"cycle.swc", "1 0 0 0 0 1 2\n2 0 0 0 1 1 1\n", "own ancestor"},
       {"orphan.swc", "1 0 0 0 0 1 -1\n2 0 0 0 1 1 7\n", "parent 7"},
       {"twice.swc", "1 0 0 0 0 1 -1\n1 0 0 0 1 1 1\n", "appears twice"},

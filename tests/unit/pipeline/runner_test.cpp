@@ -18,7 +18,7 @@ TEST(ExitStatus, every_kind_of_failure_has_its_code) {
   EXPECT_EQ(mv::exit_status([] { throw mv::TrustError("x"); }), 6);
   EXPECT_EQ(mv::exit_status([] { throw mv::IoError("x"); }), 7);
   EXPECT_EQ(mv::exit_status([] { throw std::logic_error("x"); }), 70);
-  EXPECT_EQ(mv::exit_status([] { throw std::bad_alloc(); }), 70);
+  EXPECT_EQ(mv::exit_status([] { throw std::bad_alloc(); }), 7);
   EXPECT_EQ(mv::exit_status([] { throw 3; }), 70);
 }
 

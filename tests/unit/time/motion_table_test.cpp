@@ -106,6 +106,24 @@ TEST(motion_table, faults_name_line_and_column) {
   EXPECT_THROW(MotionTable::read("no/such.csv"), IoError);
 }
 
+TEST(motion_table, files_of_other_valves_and_units_are_named) {
+  const MotionTable t({0, 0.1}, {Vec3(10, 0, -30), Vec3(-10, 0, -30)}, {{Vec3::Zero(), Vec3(0, 0, 5)}, {Vec3::Zero(), Vec3(0, 0, 5)}});
+  const auto fault = [](const auto& check) -> std::string {
+    try {
+      check();
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(fault([&] { t.check_tips({Vec3(10, 3, -30), Vec3(-10, 0, -28)}, "p.csv"); }), "");
+  EXPECT_NE(fault([&] { t.check_tips({Vec3(10, 0, -30)}, "p.csv"); }).find("p.csv: holds 2 points, the case has 1"), std::string::npos);
+  EXPECT_NE(fault([&] { t.check_tips({Vec3(-10, 0, -30), Vec3(10, 0, -30)}, "p.csv"); }).find("20.0 mm from papillary tip 0"), std::string::npos);
+  EXPECT_EQ(fault([&] { t.check_speed("p.csv"); }), "");
+  const MotionTable sudden({0, 1e-4}, t.rest(), {{Vec3::Zero(), Vec3(0, 0, 5)}, {Vec3::Zero(), Vec3(0, 0, 5)}});
+  EXPECT_NE(fault([&] { sudden.check_speed("p.csv"); }).find("moves at 50 m/s"), std::string::npos);
+}
+
 TEST(annulus_motion, nodes_follow_the_nearest_place_of_the_curve) {
   // A square annulus; its first corner moves by 4 mm, the others stay: half way along its edges the curve moves by 2 mm.
   const std::vector<Vec3> rest{{10, 10, 0}, {-10, 10, 0}, {-10, -10, 0}, {10, -10, 0}};
