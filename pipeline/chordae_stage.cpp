@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <set>
+
 #include "geometry/annulus/annulus_fit.h"
 #include "geometry/chordae/density_chordae.h"
 #include "geometry/chordae/generic_chordae.h"
@@ -88,12 +90,14 @@ std::vector<Vec3> heads_of(const Config& config, const Papillary& papillary) {
 
 /// A free edge that no chorda holds flails into the atrium.
 void warn_of_unheld_edge(const LeafletMesh& mesh, const Chordae& chordae) {
+  std::set<std::size_t> ends;
+  for (const Insertion& insertion : chordae.insertions) ends.insert(static_cast<std::size_t>(insertion.point));
   double longest = 0;
   Vec3 where = Vec3::Zero();
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
     if (!mesh.on_free_edge[i]) continue;
     double nearest = 1e300;
-    for (const Insertion& insertion : chordae.insertions) nearest = std::min(nearest, (mesh.points[static_cast<std::size_t>(insertion.node)] - mesh.points[i]).norm());
+    for (const std::size_t end : ends) nearest = std::min(nearest, (chordae.points[end] - mesh.points[i]).norm());
     if (nearest > longest) longest = nearest, where = mesh.points[i];
   }
   if (longest > unheld_edge)

@@ -220,7 +220,7 @@ CurveSet read_curve_set(const Config& config) {
     set.notes.insert(set.notes.begin(), notes.begin(), notes.end());
   }
   if (set.curves.empty())
-    throw InputError(fmt::format("no leaflet curve in {}; expected curves from annulus to free edge of both leaflets", has_slices ? config.path("curves.slices").string() : files.front()));
+    throw InputError(fmt::format("no leaflet curve in {}; expected curves from annulus to free edge of both leaflets", has_slices ? config.path("curves.slices").string() : config.paths("curves.files").front().string()));
   return set;
 }
 

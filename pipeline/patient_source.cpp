@@ -15,6 +15,7 @@ namespace mv {
 namespace {
 
 constexpr double nearest_commissures = 5;  // mm
+constexpr double flat_leaflets = 4;        // mm
 
 Vec3 vector_of(const Config& config, const char* key, double unit) {
   const auto& values = config.numbers(key);
@@ -111,6 +112,13 @@ SourceGeometry to_source_geometry(const LeafletSurface& leaflets, const Config& 
     source.notes.push_back("the data hold no papillary tips: generic ones are placed below the annulus (patient.papillary gives real ones)");
     source.papillary = generic_tips(config, leaflets);
   }
+  double lowest = 1e300, highest = -1e300;  // mm along the normal
+  for (const Vec3& p : leaflets.surface.points) {
+    const double depth = (p - leaflets.annulus.origin).dot(leaflets.annulus.normal);
+    lowest = std::min(lowest, depth), highest = std::max(highest, depth);
+  }
+  if (highest - lowest < flat_leaflets)
+    source.notes.push_back(fmt::format("the leaflets lie within {:.1f} mm of each other along the annulus' normal: flat, or seen from one side only; expected 10 to 30 mm", highest - lowest));
   const LeafletSurfaceReport& r = leaflets.report;
   source.notes.insert(source.notes.begin(), r.notes.begin(), r.notes.end());
   source.measures = to_json(r);

@@ -9,11 +9,12 @@
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
 #include "geometry/core/motion_table.h"
+#include "pipeline/case_directory.h"
 
 namespace mv {
 namespace {
 
-constexpr double farthest = 60;      // mm, of any movement
+constexpr double farthest = 40;      // mm, of any movement
 constexpr double odd_duration = 20;  // of the run
 constexpr double odd_stretch = 0.4;  // of the annulus' length; life's stays below a fifth
 
@@ -24,18 +25,18 @@ double length_of(const std::vector<Vec3>& curve) {
 }
 
 /// Motions that end long after the run: times in milliseconds.
-void warn_of_slowness(const MotionTable& motion, const Config& config, const std::string& file) {
+void warn_of_slowness(const MotionTable& motion, const Config& config, const std::string& file, std::vector<std::string>& warnings) {
   if (const double end = config.number("time.end"); motion.times().back() > odd_duration * end)
-    spdlog::warn("{}: the motion ends at {:.4g} s, the run at {:.4g} s (time.end): are the times in seconds?", file, motion.times().back(), end);
+    warnings.push_back(fmt::format("{}: the motion ends at {:.4g} s, the run at {:.4g} s (time.end): are the times in seconds?", file, motion.times().back(), end));
 }
 
-void warn_of_stretch(const MotionTable& motion, const Annulus& annulus, const std::string& file) {
+void warn_of_stretch(const MotionTable& motion, const Annulus& annulus, const std::string& file, std::vector<std::string>& warnings) {
   const double rest = length_of(annulus.points);
   for (const double time : motion.times()) {
     std::vector<Vec3> moved = annulus.points;
     for (Vec3& p : moved) p += motion.displacement(motion.nearest(p), time);
     if (const double stretch = length_of(moved) / rest - 1; std::abs(stretch) > odd_stretch)
-      spdlog::warn("{}: at {:.4g} s the annulus is {:.0f} % {} than at rest; in life it changes by 5 to 20 %", file, time, 100 * std::abs(stretch), stretch > 0 ? "longer" : "shorter");
+      warnings.push_back(fmt::format("{}: at {:.4g} s the annulus is {:.0f} % {} than at rest; in life it changes by 5 to 20 %", file, time, 100 * std::abs(stretch), stretch > 0 ? "longer" : "shorter"));
   }
 }
 
@@ -49,11 +50,11 @@ void contain(const MotionTable& motion, const std::vector<MotionTable::Place>& p
 }
 
 /// Throws InputError for a motion that no valve makes.
-void check_motion(const MotionTable& motion, const Config& config, const std::string& file) {
+void check_motion(const MotionTable& motion, const Config& config, const std::string& file, std::vector<std::string>& warnings) {
   motion.check_speed(file);
   if (motion.largest() > farthest)
     throw InputError(fmt::format("{}: a point moves by {:.0f} mm, more than {:.0f} mm; in life it is 5 to 20 mm: are the places in mm?", file, motion.largest(), farthest));
-  warn_of_slowness(motion, config, file);
+  warn_of_slowness(motion, config, file, warnings);
 }
 
 }  // namespace
@@ -61,6 +62,7 @@ void check_motion(const MotionTable& motion, const Config& config, const std::st
 Tube make_tube(const Config& config, const Annulus& annulus, const LeafletMesh& mesh, const Papillary& papillary,
                TubeReport* report) {
   TubeOptions options;
+  std::vector<std::string> warnings;
   options.length_ventricle = config.number_in("tube.length_ventricle", "mm");
   options.length_atrium = config.number_in("tube.length_atrium", "mm");
   options.spacing = config.number_in("tube.spacing", "mm");
@@ -72,19 +74,21 @@ Tube make_tube(const Config& config, const Annulus& annulus, const LeafletMesh& 
   if (!config.text("annulus.motion").empty()) {
     const auto file = config.path("annulus.motion");
     const MotionTable motion = MotionTable::read(file);
-    for (const std::string& note : check_annulus_curve(clean_closed_curve(motion.rest(), nullptr, file.string()), file.string(), 0)) spdlog::warn("{}", note);
+    for (const std::string& note : check_annulus_curve(clean_closed_curve(motion.rest(), nullptr, file.string()), file.string(), 0)) warnings.push_back(note);
     const auto places = motion.places_of_annulus(mesh, file.string());
-    check_motion(motion, config, file.string());
-    warn_of_stretch(motion, annulus, file.string());
+    check_motion(motion, config, file.string(), warnings);
+    warn_of_stretch(motion, annulus, file.string(), warnings);
     if (config.flag("fluid.enabled")) contain(motion, places, mesh, options);
   }
   if (!config.text("papillary.motion").empty()) {
     const auto file = config.path("papillary.motion");
     const MotionTable motion = MotionTable::read(file);
     motion.check_tips(papillary.tips, file.string());
-    check_motion(motion, config, file.string());
+    check_motion(motion, config, file.string(), warnings);
   }
-  return build_tube(annulus, options, report);
+  Tube tube = build_tube(annulus, options, report);
+  if (report) report->warnings = std::move(warnings);
+  return tube;
 }
 
 std::string run_tube_stage(const StageContext& context) {
@@ -92,6 +96,7 @@ std::string run_tube_stage(const StageContext& context) {
   const Tube tube = make_tube(context.config, read_annulus(context.in("annulus.vtp")), read_leaflets(context.in("leaflets.vtu")),
                               read_papillary(context.in("papillary.vtp")), &report);
   for (const std::string& note : report.notes) spdlog::info("tube: {}", note);
+  for (const std::string& warning : report.warnings) spdlog::warn("tube: {}", with_sources(warning, context.case_directory));
   write_tube(context.out("tube.vtu"), tube);
   const auto& n = tube.grid_cells;
   return fmt::format("{} fluid cells ({} x {} x {}) of {} mm, {} hexahedra, wall {:.2f} to {:.2f} mm from the annulus",

@@ -23,6 +23,8 @@
 namespace mv {
 namespace {
 
+constexpr std::size_t longest_name = 60;  // characters that a message repeats
+
 using nlohmann::json;
 
 std::string lower(std::string text) {
@@ -68,7 +70,7 @@ void read_csv(const std::filesystem::path& file, bool is_lps, CurveSet& set) {
       continue;
     }
     if (leaflet != "anterior" && leaflet != "posterior")
-      throw InputError(fmt::format("{}: leaflet '{}'; expected anterior, posterior, annulus, papillary_anterolateral or papillary_posteromedial", table.where(row), leaflet));
+      throw InputError(fmt::format("{}: leaflet '{}'; expected anterior, posterior, annulus, papillary_anterolateral or papillary_posteromedial", table.where(row), leaflet.substr(0, longest_name)));
     const int region = leaflet == "anterior" ? anterior : posterior;
     const auto [place, is_new] = known.emplace(std::pair(region, id), curves.size());
     if (is_new) {

@@ -34,6 +34,7 @@ struct TubeReport {
   double lengthened_ventricle = 0;  // mm beyond length_ventricle (rounding to whole cells included)
   double jacobian_min = 0;          // smallest scaled Jacobian at the corners of the hexahedra (1 = cube)
   std::vector<std::string> notes;   // sentences for the log
+  std::vector<std::string> warnings;  // what is odd about the case that the tube is made for
 };
 
 /// Frame: origin of the annulus plane, e3 = -normal, e1 = axis_major. Outline in polar form r(angle) about the origin: smoothed
