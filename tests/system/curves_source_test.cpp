@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <cmath>
 #include <fstream>
 #include <functional>
 #include <iomanip>
@@ -149,6 +150,22 @@ TEST(CurvesSource, broken_curve_files) {
   expect(run_csv([](mv::CurveSet& s) {
            for (std::size_t i = 0; i + 1 < s.curves.size(); i += 4) std::swap(s.curves[i].region, s.curves[i + 1].region);
          }), 4, "interleave");
+  std::string far;
+  for (int i = 0; i < 12; ++i) far += "annulus,0," + std::to_string(15 * std::cos(i * M_PI / 6)) + "," + std::to_string(60 + 15 * std::sin(i * M_PI / 6)) + ",0\n";
+  expect(run_csv([](mv::CurveSet&) {}, far), 4, "c.csv: the drawn annulus lies");
+}
+
+TEST(CurvesSource, papillary_points_of_another_space_are_refused_by_their_file) {
+  const TemporaryDirectory dir;
+  std::ofstream(dir / "c.csv") << csv_of(ConeValve{}.curves(3));
+  const auto with_tips = [&](const std::string& rows) {
+    std::ofstream(dir / "tips.csv") << "x_mm,y_mm,z_mm\n" << rows;
+    return run(dir, "files = [\"c.csv\"]\n[patient]\npapillary = \"tips.csv\"\n");
+  };
+  EXPECT_EQ(with_tips("-8,-2,-28\n8,-2,-28\n").code, 0);
+  expect(with_tips("-308,-2,-28\n-292,-2,-28\n"), 4, "tips.csv: the papillary point");
+  expect(with_tips("-8,-2,-120\n8,-2,-120\n"), 0, "tips.csv: the papillary point");
+  expect(with_tips("-8,-2,-28\n"), 0, "one papillary point only");
 }
 
 TEST(CurvesSource, broken_markups) {
@@ -188,6 +205,15 @@ TEST(CurvesSource, broken_slices) {
       if (k != 6) std::fill(s.parts.begin(), s.parts.end(), std::uint8_t{0});
     });
     expect(run(dir, "slices = \"png\"\n"), 4, "only 1 of");
+  }
+  {
+    const TemporaryDirectory dir;
+    std::vector<std::uint8_t> copied;
+    write_stack(dir, true, [&](std::size_t k, mv::Slice& s) {
+      if (k == 2) copied = s.parts;
+      if (k > 2) s.parts = copied;
+    });
+    expect(run(dir, "slices = \"png\"\n"), 4, "hold the same leaflets to the last pixel");
   }
   {
     const TemporaryDirectory dir;

@@ -101,6 +101,19 @@ TEST(Nifti, left_handed_axes_are_kept_and_noted) {
   }
 }
 
+TEST(Nifti, axes_that_are_not_at_right_angles_are_noted) {
+  const TemporaryDirectory dir;
+  NiftiFile f = sample();
+  f.qform = 0;
+  const auto says = [&] {
+    const auto notes = read(f, dir).notes;
+    return std::any_of(notes.begin(), notes.end(), [](const std::string& n) { return n.find("not at right angles") != std::string::npos; });
+  };
+  EXPECT_FALSE(says());
+  f.srow.col(1) += 0.2 * f.srow.col(0);
+  EXPECT_TRUE(says());
+}
+
 TEST(Nifti, metres_and_micrometres_become_millimetres) {
   const TemporaryDirectory dir;
   for (const auto& [code, factor] : std::vector<std::pair<int, double>>{{1, 1e-3}, {2, 1}, {3, 1e3}}) {
