@@ -19,6 +19,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto longest_write = 10s;
+constexpr int removals = 1000;
 
 // Never destroyed: the watching thread outlives main.
 std::recursive_timed_mutex& writing = *new std::recursive_timed_mutex;
@@ -36,11 +37,15 @@ sigset_t interrupts() {
 [[noreturn]] void end_program() {
   writing.try_lock_for(longest_write);  // and never given back
   end_running_programs();
-  {
-    const std::lock_guard lock(list);
-    std::error_code ignored;
-    for (const auto& directory : unfinished) std::filesystem::remove_all(directory, ignored);
-  }
+  list.lock();  // so that no new one begins
+  // The stage goes on and may write into a directory while it is being removed.
+  for (const auto& directory : unfinished)
+    for (int attempt = 0; attempt < removals; ++attempt) {
+      std::error_code ignored;
+      std::filesystem::remove_all(directory, ignored);
+      if (!std::filesystem::exists(directory, ignored)) break;
+      std::this_thread::sleep_for(1ms);
+    }
   spdlog::error("interrupted; finished stages are kept, run the same command to go on");
   _exit(static_cast<int>(ExitCode::interrupted));
 }

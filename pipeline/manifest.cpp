@@ -9,6 +9,7 @@
 #include "geometry/core/errors.h"
 #include "geometry/core/version.h"
 #include "pipeline/input_files.h"
+#include "pipeline/interrupt.h"
 #include "pipeline/stage_table.h"
 
 namespace mv {
@@ -62,6 +63,7 @@ Manifest read_manifest(const std::filesystem::path& case_directory) {
 }
 
 void write_manifest(const std::filesystem::path& case_directory, const Manifest& manifest, const Config& config) {
+  const Uninterrupted writes;
   nlohmann::ordered_json json;
   json["manifest_version"] = manifest_version;
   json["program"] = "mvprep";
