@@ -51,7 +51,7 @@ void contain(const MotionTable& motion, const std::vector<MotionTable::Place>& p
 
 /// Throws InputError for a motion that no valve makes.
 void check_motion(const MotionTable& motion, const Config& config, const std::string& file, std::vector<std::string>& warnings) {
-  motion.check_speed(file);
+  motion.check_course(file);
   if (motion.largest() > farthest)
     throw InputError(fmt::format("{}: a point moves by {:.0f} mm, more than {:.0f} mm; in life it is 5 to 20 mm: are the places in mm?", file, motion.largest(), farthest));
   warn_of_slowness(motion, config, file, warnings);

@@ -17,6 +17,7 @@ namespace {
 constexpr long most_points = 1'000'000;
 constexpr double annulus_reach = 3, tip_reach = 10;  // mm
 constexpr double fastest = 20;  // m/s
+constexpr double at_start = 0.1;  // mm
 
 /// Slopes of a monotone cubic, zero at both ends.
 std::vector<double> slopes_of(const std::vector<double>& t, const std::vector<double>& y) {
@@ -93,8 +94,11 @@ void MotionTable::check_tips(const std::vector<Vec3>& tips, const std::string& n
                                    name, t, rest_[t].x(), rest_[t].y(), rest_[t].z(), off, t, tips[t].x(), tips[t].y(), tips[t].z(), tip_reach));
 }
 
-void MotionTable::check_speed(const std::string& name) const {
+void MotionTable::check_course(const std::string& name) const {
   constexpr double metres_per_mm = 1e-3;
+  for (int p = 0; p < points(); ++p)
+    if (const double moved = displacement(p, 0).norm(); moved > at_start)
+      throw InputError(fmt::format("{}: at 0 s point {} has moved by {:.2f} mm from its first row, at {:.4g} s; the run starts at 0 s with the valve at rest: expected the first row there", name, p, moved, times_.front()));
   for (std::size_t p = 0; p < displacements_.size(); ++p)
     for (std::size_t i = 1; i < times_.size(); ++i)
       if (const double speed = metres_per_mm * (displacements_[p][i] - displacements_[p][i - 1]).norm() / (times_[i] - times_[i - 1]); speed > fastest)

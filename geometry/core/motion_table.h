@@ -39,8 +39,9 @@ class MotionTable {
   std::vector<Place> places_of_annulus(const LeafletMesh& mesh, const std::string& name) const;
   /// Throws InputError, beginning with `name`, unless the file holds a point for each tip (mm), not far from it (10 mm).
   void check_tips(const std::vector<Vec3>& tips, const std::string& name) const;
-  /// Throws InputError, beginning with `name`, when a point moves faster than 20 m/s between two rows: times in another unit.
-  void check_speed(const std::string& name) const;
+  /// Throws InputError, beginning with `name`, when a point moves faster than 20 m/s between two rows (times in another unit), or has moved by more than 0.1 mm before the run
+  /// starts at 0 s, where the valve is at rest.
+  void check_course(const std::string& name) const;
   /// mm, linear between the two points.
   Vec3 displacement(const Place& place, double time) const;
   bool changes(double t0, double t1) const { return t1 > times_.front() && t0 < times_.back(); }

@@ -25,7 +25,7 @@ BoundaryMotion::BoundaryMotion(const Config& config, const Chordae& chordae, con
     std::vector<Vec3> tips;
     for (const Vec3& tip : rest_tips_) tips.push_back(tube.origin + tube.axes.transpose() * (tip / metres_per_mm));
     table_->check_tips(tips, file.string());
-    table_->check_speed(file.string());
+    table_->check_course(file.string());
   }
   shift_ = tube.axes * Vec3::Map(config.numbers("papillary.displacement").data());
   for (double segment : config.numbers("chordae.cut")) {
@@ -56,7 +56,7 @@ void BoundaryMotion::apply(double time, ChordaeTension& chordae, std::span<Vec3>
 
 AnnulusMotion::AnnulusMotion(MotionTable table, const LeafletMesh& mesh, const Tube& tube, const std::string& file)
     : table_(std::move(table)), axes_(tube.axes), places_(table_.places_of_annulus(mesh, file)) {
-  table_.check_speed(file);
+  table_.check_course(file);
   for (std::size_t i = 0; i < mesh.points.size(); ++i)
     if (mesh.on_annulus[i]) nodes_.push_back(static_cast<int>(i));
 }

@@ -119,9 +119,11 @@ TEST(motion_table, files_of_other_valves_and_units_are_named) {
   EXPECT_EQ(fault([&] { t.check_tips({Vec3(10, 3, -30), Vec3(-10, 0, -28)}, "p.csv"); }), "");
   EXPECT_NE(fault([&] { t.check_tips({Vec3(10, 0, -30)}, "p.csv"); }).find("p.csv: holds 2 points, the case has 1"), std::string::npos);
   EXPECT_NE(fault([&] { t.check_tips({Vec3(-10, 0, -30), Vec3(10, 0, -30)}, "p.csv"); }).find("20.0 mm from papillary tip 0"), std::string::npos);
-  EXPECT_EQ(fault([&] { t.check_speed("p.csv"); }), "");
+  EXPECT_EQ(fault([&] { t.check_course("p.csv"); }), "");
   const MotionTable sudden({0, 1e-4}, t.rest(), {{Vec3::Zero(), Vec3(0, 0, 5)}, {Vec3::Zero(), Vec3(0, 0, 5)}});
-  EXPECT_NE(fault([&] { sudden.check_speed("p.csv"); }).find("moves at 50 m/s"), std::string::npos);
+  EXPECT_NE(fault([&] { sudden.check_course("p.csv"); }).find("moves at 50 m/s"), std::string::npos);
+  const MotionTable early({-0.1, 0.1}, t.rest(), {{Vec3::Zero(), Vec3(0, 0, 5)}, {Vec3::Zero(), Vec3(0, 0, 5)}});
+  EXPECT_NE(fault([&] { early.check_course("p.csv"); }).find("at 0 s point 0 has moved by 2.50 mm"), std::string::npos);
 }
 
 TEST(annulus_motion, nodes_follow_the_nearest_place_of_the_curve) {
