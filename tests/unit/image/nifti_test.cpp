@@ -111,6 +111,7 @@ TEST(Nifti, axes_that_are_not_at_right_angles_are_noted) {
   };
   EXPECT_FALSE(says());
   f.srow.col(1) += 0.2 * f.srow.col(0);
+  f.pixdim[2] = static_cast<float>(f.srow.col(1).norm());
   EXPECT_TRUE(says());
 }
 
