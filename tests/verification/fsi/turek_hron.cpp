@@ -41,8 +41,24 @@ TurekHron::TurekHron(const TurekHronSpec& spec) : spec_(spec) {
   tip_ = tissue.nearest_node(centre, plate_end);
   tip_rest_.assign(tissue.mesh.points.begin() + 3 * tip_, tissue.mesh.points.begin() + 3 * tip_ + 3);
 
+  for (std::size_t t = 0; t < tissue.mesh.tets.size(); t += 10)
+    corners_.push_back({tissue.mesh.tets[t], tissue.mesh.tets[t + 1], tissue.mesh.tets[t + 2], tissue.mesh.tets[t + 3]});
+  rest_ = tissue.mesh.points;
+
   flow_ = std::make_unique<SlabFlow>(setup, tissue, disc_points(centre, centre, radius, point_spacing * h, h, 1));
   profile_ = parabola(setup.grid, 6 * spec.mean_velocity / (width * width));
+}
+
+double TurekHron::swelling() const {
+  const auto volume = [&](const std::vector<double>& x) {
+    double sum = 0;
+    for (const auto& t : corners_) {
+      const auto at = [&](int c) { return Vec3::Map(x.data() + 3 * t[static_cast<std::size_t>(c)]); };
+      sum += (at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0));
+    }
+    return sum;
+  };
+  return volume(flow_->x()) / volume(rest_) - 1;
 }
 
 TurekHronSample TurekHron::advance(double interval) {

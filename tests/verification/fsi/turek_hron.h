@@ -9,6 +9,7 @@
 // plate moves with an incompressible flow, so its plane-strain bending stiffness is 4 mu instead of 2 mu / (1 - nu) = 3.33 mu. `matched`
 // lowers mu by that ratio, 5/6, which is the modulus that bending sees; `given` takes the printed one.
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -41,12 +42,16 @@ class TurekHron {
   /// Advances by about `interval` (s); forces are means over it. The inflow rises over two seconds.
   TurekHronSample advance(double interval);
   const SlabFlow& flow() const { return *flow_; }
+  /// Mean over the plate's length of its relative change of area at rest and now: what its tip moves by for that reason alone is half of it times the length.
+  double swelling() const;
 
  private:
   TurekHronSpec spec_;
   std::unique_ptr<SlabFlow> flow_;
   std::vector<double> profile_, inflow_;
   std::vector<double> tip_rest_;
+  std::vector<std::array<int, 4>> corners_;  // of the plate's tetrahedra
+  std::vector<double> rest_;
   int tip_ = -1;
   long step_ = 0;
 };

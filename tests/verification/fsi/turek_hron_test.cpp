@@ -39,9 +39,9 @@ TurekHronSample run_fsi1(const TurekHronSpec& spec, double end) {
     last = run.advance(0.05 * end);
   }
   const SolidStatistics& solid = run.flow().statistics();
-  std::printf("FSI1, %s, %d cells across, %s, %s: uy still changes by %.2e mm/s, J %.4f .. %.4f (%.0f s)\n", name_of(spec.kernel), spec.cells,
+  std::printf("FSI1, %s, %d cells across, %s, %s: uy still changes by %.2e mm/s, J %.5f .. %.5f, swelling %.2e (%.0f s)\n", name_of(spec.kernel), spec.cells,
               name_of(spec.modulus), spec.relaxation == Relaxation::none ? "no relaxation" : "relaxed", (last.uy - before.uy) / (mm * (last.time - before.time)),
-              solid.J_min, solid.J_max,
+              solid.J_min, solid.J_max, run.swelling(),
               std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   print_comparison("ux mm", last.ux / mm, fsi1_ux);
   print_comparison("uy mm", last.uy / mm, fsi1_uy);
@@ -87,12 +87,23 @@ Fsi3Result run_fsi3(const TurekHronSpec& spec, double end) {
   constexpr double interval = 1.5e-3, last_part = 1.0;  // s
   const auto start = std::chrono::steady_clock::now();
   std::vector<TurekHronSample> samples;
+  constexpr double report_every = 0.5;  // s
+  double low = 1e300, high = -1e300, next_report = report_every;
   for (double time = 0; time < end;) {
     const TurekHronSample sample = run.advance(interval);
     time = sample.time;
     if (time > end - last_part) samples.push_back(sample);
+    low = std::min(low, sample.uy);
+    high = std::max(high, sample.uy);
+    if (time < next_report) continue;
+    std::printf("  %.1f s: uy %.2f .. %.2f mm, drag %.1f N/m\n", time, low / mm, high / mm, sample.drag);
+    std::fflush(stdout);
+    next_report += report_every;
+    low = 1e300;
+    high = -1e300;
   }
-  std::printf("FSI3, %d cells across, %s, last %.1f s of %.1f s (%.0f s)\n", spec.cells, name_of(spec.modulus), last_part, end,
+  std::printf("FSI3, %s, %d cells across, %s, %s, last %.1f s of %.1f s (%.0f s)\n", name_of(spec.kernel), spec.cells, name_of(spec.modulus),
+              spec.relaxation == Relaxation::none ? "no relaxation" : "relaxed", last_part, end,
               std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   Fsi3Result result;
   result.ux = analyse(samples, [](const TurekHronSample& s) { return s.ux / mm; });
@@ -126,6 +137,15 @@ TEST(TurekHron, DISABLED_fsi1) {
   const TurekHronSample coarse = run_fsi1({.cells = 41, .dt = 2.5e-4}, 5.0);
   const TurekHronSample fine = run_fsi1({.cells = 82, .dt = 1.2e-4}, 5.0);
   EXPECT_LT(std::abs(fine.drag - fsi1_drag), 0.7 * std::abs(coarse.drag - fsi1_drag));
+}
+
+TEST(TurekHron, DISABLED_fsi1_cbs32_given) {
+  run_fsi1({.cells = 41, .modulus = PlateModulus::given, .kernel = Kernel::cbs32, .dt = 2.5e-4}, 8.0);
+  run_fsi1({.cells = 82, .modulus = PlateModulus::given, .kernel = Kernel::cbs32, .dt = 1.2e-4}, 8.0);
+}
+
+TEST(TurekHron, DISABLED_fsi3_cbs32) {
+  run_fsi3({.cells = 82, .shear_modulus = 2e6, .mean_velocity = 2.0, .modulus = PlateModulus::given, .kernel = Kernel::cbs32, .dt = 6e-5}, 5.0);
 }
 
 TEST(TurekHron, DISABLED_fsi3) {
