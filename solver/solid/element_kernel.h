@@ -76,10 +76,6 @@ struct BlockSums {
   long controlled = 0, inverted = 0;
 };
 
-struct BlockFlags {
-  PackInt controlled{}, inverted{};
-};
-
 /// A[i][k] = sum_a x_a[i] dN_a/dxi_k
 template <int N>
 MV_INLINE Tensor<Pack> parametric_gradient(const ElementVectors<N>& x, int q) {
@@ -112,10 +108,11 @@ MV_INLINE Tensor<Pack> deformation_gradient(const Tensor<Pack>& A, const double*
 /// Rarely needed, and long: kept out of the hot loop.
 Pack distortion_control(const LawConstants& k, const Deformation<Pack>& d, Tensor<Pack>& P, PackInt& is_active);
 
-/// Forces -dW/dx of one block into `f` (overwritten). `data` as in ElementBlocks.
-template <int N>
+/// Forces -dW/dx of one block into `f` (overwritten), but for distortion control: points where that may act are handed to `on_distorted(q, deformation, which, P)`, which may add to P.
+/// `data` as in ElementBlocks.
+template <int N, class OnDistorted>
 MV_INLINE void block_forces(const LawConstants& k, const double* data, const ElementVectors<N>& x, ElementVectors<N>& f,
-                            BlockSums& sums, BlockFlags& flags, std::int64_t block_index) {
+                            BlockSums& sums, std::int64_t block_index, const OnDistorted& on_distorted) {
   constexpr int points = Shape<N>::points;
   const Pack fibre[3] = {load(data + points * 10 * lanes), load(data + (points * 10 + 1) * lanes),
                          load(data + (points * 10 + 2) * lanes)};
@@ -133,15 +130,8 @@ MV_INLINE void block_forces(const LawConstants& k, const double* data, const Ele
     sums.J_min_block = d.J < sums.J_min ? PackInt{} + block_index : sums.J_min_block;
     sums.J_min = minimum(d.J, sums.J_min);
     sums.J_max = maximum(d.J, sums.J_max);
-    if (k.control_stiffness > 0 && any(may_be_distorted(k, d))) {
-      PackInt is_active;
-      const Pack control = weight * distortion_control(k, d, r.P, is_active);
-      const PackInt is_real = weight > Pack{};
-      sums.energy += control;
-      sums.control_energy += control;
-      flags.controlled |= is_active & is_real;
-      flags.inverted |= (d.J <= Pack{}) & is_real;
-    }
+    if (k.control_stiffness > 0)
+      if (const PackInt which = may_be_distorted(k, d); any(which)) on_distorted(q, d, which, r.P);
 
     for (int k2 = 0; k2 < 3; ++k2) {
       const Pack d0 = load(point + (3 * k2) * lanes), d1 = load(point + (3 * k2 + 1) * lanes),

@@ -10,6 +10,7 @@
 #include "geometry/core/errors.h"
 #include "geometry/core/leaflet_names.h"
 #include "geometry/core/parallel.h"
+#include "solver/solid/distorted_points.h"
 #include "solver/solid/element_kernel.h"
 
 namespace mv {
@@ -62,12 +63,6 @@ MV_INLINE ElementVectors<N> load_elements(const double* records, const std::int3
   ElementVectors<N> x;
   for (int a = 0; a < N; ++a) load_corner(records, index + a * lanes, x.a[a]);
   return x;
-}
-
-long count(PackInt mask) {
-  long n = 0;
-  for (int l = 0; l < lanes; ++l) n -= mask[l];
-  return n;
 }
 
 double sum(Pack v) {
@@ -178,15 +173,17 @@ void LeafletSolid::Data::run_tile(const Tile& tile, const double* x, BlockSums& 
   alignas(64) double force[4 * tile_nodes_max];
   load_tile_nodes(blocks, tile, x, position);
   std::fill_n(force, 4 * tile.node_count, 0.0);
+  DistortedPoints<N> distorted(blocks, tile, force, sums);
   for (std::int32_t b = tile.block_begin; b < tile.block_end; ++b) {
     const std::int32_t* index = blocks.local_node.data() + static_cast<std::ptrdiff_t>(b) * N * lanes;
+    const LawConstants& law = laws[blocks.block_material[b]];
     const ElementVectors<N> xe = load_elements<N>(position, index);
     ElementVectors<N> fe;
-    BlockFlags flags;
-    block_forces<N>(laws[blocks.block_material[b]], blocks.block(b), xe, fe, sums, flags, b);
-    if (any(flags.controlled)) sums.controlled += count(flags.controlled), sums.inverted += count(flags.inverted);
+    block_forces<N>(law, blocks.block(b), xe, fe, sums, b,
+                    [&](int q, const Deformation<Pack>& d, PackInt which, Tensor<Pack>&) { distorted.add(law, b, q, d.F, which); });
     for (int a = 0; a < N; ++a) add_corner(force, index + a * lanes, fe.a[a]);
   }
+  distorted.finish();
   std::copy_n(force, 4 * tile.node_count, partial.data() + 4 * static_cast<std::ptrdiff_t>(tile.node_begin));
 }
 
@@ -295,7 +292,7 @@ void LeafletSolid::forces_directional(std::span<const double> x, std::span<const
 
 // --- critical step
 
-/// Power iteration on M_e^(-1/2) K_e M_e^(-1/2) of a block of elements at a time, K_e by central differences of the element forces.
+/// Power iteration on M_e^(-1/2) K_e M_e^(-1/2) of a block of elements at a time, K_e by differences of the element forces.
 template <int N>
 double LeafletSolid::Data::tile_step(const Tile& tile, const double* x, std::span<double> element_steps, int rounds) const {
   constexpr double relative_displacement = 1e-6;
@@ -319,6 +316,13 @@ double LeafletSolid::Data::tile_step(const Tile& tile, const double* x, std::spa
     ElementVectors<N> y;   // start: no symmetry of the element, no rigid motion
     for (int a = 0; a < N; ++a)
       for (int i = 0; i < 3; ++i) y.a[a][i] = broadcast<Pack>(std::sin(1.0 + 3.7 * a + 1.9 * i * (a + 1)));
+    BlockSums unused;
+    const auto control = [&](int, const Deformation<Pack>& d, PackInt, Tensor<Pack>& P) {
+      PackInt is_active;
+      distortion_control(law, d, P, is_active);
+    };
+    ElementVectors<N> force_here;
+    block_forces<N>(law, data, xe, force_here, unused, 0, control);
     Pack eigenvalue{};
     for (int round = 0; round < rounds; ++round) {
       Pack norm2{};
@@ -326,22 +330,15 @@ double LeafletSolid::Data::tile_step(const Tile& tile, const double* x, std::spa
         for (int i = 0; i < 3; ++i) norm2 += y.a[a][i] * y.a[a][i];
       const Pack inverse_norm = 1.0 / square_root(maximum(norm2, 1e-300));
       const Pack epsilon = relative_displacement * size * inverse_norm;
-      ElementVectors<N> plus, minus, force_plus, force_minus;
+      ElementVectors<N> moved, force;
       for (int a = 0; a < N; ++a)
-        for (int i = 0; i < 3; ++i) {
-          const Pack shift = epsilon * y.a[a][i] * (1.0 / root_share[a]);
-          plus.a[a][i] = xe.a[a][i] + shift;
-          minus.a[a][i] = xe.a[a][i] - shift;
-        }
-      BlockSums unused;
-      BlockFlags unused_flags;
-      block_forces<N>(law, data, plus, force_plus, unused, unused_flags, 0);
-      block_forces<N>(law, data, minus, force_minus, unused, unused_flags, 0);
+        for (int i = 0; i < 3; ++i) moved.a[a][i] = xe.a[a][i] + epsilon * y.a[a][i] * (1.0 / root_share[a]);
+      block_forces<N>(law, data, moved, force, unused, 0, control);
       Pack image2{};
-      const Pack scale = 1.0 / (2.0 * relative_displacement * size);
+      const Pack scale = 1.0 / (relative_displacement * size);
       for (int a = 0; a < N; ++a)
         for (int i = 0; i < 3; ++i) {
-          y.a[a][i] = (force_minus.a[a][i] - force_plus.a[a][i]) * scale * (1.0 / root_share[a]);
+          y.a[a][i] = (force_here.a[a][i] - force.a[a][i]) * scale * (1.0 / root_share[a]);
           image2 += y.a[a][i] * y.a[a][i];
         }
       eigenvalue = square_root(image2);
