@@ -355,9 +355,9 @@ unsigned CandidateSearch::candidates_in(int leaf, int node, const Eigen::Vector3
   return lanes;
 }
 
-std::vector<int> CandidateSearch::triangles_of(int node) const {
+std::vector<int> CandidateSearch::triangles_in(std::span<const Block> blocks) const {
   std::vector<int> list;
-  for (const Block& b : blocks_of(node))
+  for (const Block& b : blocks)
     for (unsigned lanes = b.lanes; lanes != 0; lanes &= lanes - 1) list.push_back(tree_.item(b.leaf * BoxTree::width + __builtin_ctz(lanes)));
   std::sort(list.begin(), list.end());
   return list;

@@ -53,7 +53,8 @@ class CandidateSearch {
   }
   const BoxTree& tree() const { return tree_; }
   /// The same as a list, ascending.
-  std::vector<int> triangles_of(int node) const;
+  std::vector<int> triangles_of(int node) const { return triangles_in(blocks_of(node)); }
+  std::vector<int> triangles_in(std::span<const Block> blocks) const;
   long pair_count() const;
 
  private:

@@ -93,10 +93,10 @@ void closest_gaps(const ContactSurface& s, const CandidateSearch& rule, std::spa
     const float deepest = -static_cast<float>(penetration_limit) - margin;
     const auto look = [&](int leaf) {
       const LeafHeads& l = leaves[static_cast<std::size_t>(leaf)];
-      const auto lanes = [](const std::array<float, BoxTree::width>& a) { return load_floats(a.data()); };
-      const Floats dx = pf[0] - lanes(l.centre[0]), dy = pf[1] - lanes(l.centre[1]), dz = pf[2] - lanes(l.centre[2]);
-      const Floats nx = lanes(l.normal[0]), ny = lanes(l.normal[1]), nz = lanes(l.normal[2]);
-      const Floats within = lanes(l.size) + (static_cast<float>(1.0001 * best_distance) + margin);
+      const auto eight = [](const std::array<float, BoxTree::width>& a) { return load_floats(a.data()); };
+      const Floats dx = pf[0] - eight(l.centre[0]), dy = pf[1] - eight(l.centre[1]), dz = pf[2] - eight(l.centre[2]);
+      const Floats nx = eight(l.normal[0]), ny = eight(l.normal[1]), nz = eight(l.normal[2]);
+      const Floats within = eight(l.size) + (static_cast<float>(1.0001 * best_distance) + margin);
       unsigned seen = bits((within > 0) & (dx * dx + dy * dy + dz * dz <= within * within) &
                            (nx * nf[0] + ny * nf[1] + nz * nf[2] < static_cast<float>(facing_cosine) + 1e-5F) & (nx * dx + ny * dy + nz * dz > deepest));
       for (; seen != 0; seen &= seen - 1) {

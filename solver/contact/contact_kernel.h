@@ -7,6 +7,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
+
+#include "geometry/core/pack.h"
 
 namespace mv::contact {
 
@@ -51,52 +54,52 @@ inline Facet make_facet(const Vec3& a, const Vec3& b, const Vec3& c, double area
 }
 
 /// Foot of the perpendicular (barycentric l1, l2 of corners b, c; may lie outside) and the point of the triangle nearest to it
-/// (b1, b2).
+/// (b1, b2). T: double, or Pack for several triangles.
+template <class T>
 struct Projection {
-  double l1, l2, b1, b2;
-  double lateral_squared;  // squared distance between the two
+  T l1, l2, b1, b2;
+  T lateral_squared;  // squared distance between the two
 };
 
-/// `d` = x - f.a.
-inline Projection project(const Facet& f, const Vec3& d) {
-  const double d1 = f.e1.dot(d), d2 = f.e2.dot(d);
-  Projection q;
-  q.l1 = (f.g22 * d1 - f.g12 * d2) * f.inverse_det;
-  q.l2 = (f.g11 * d2 - f.g12 * d1) * f.inverse_det;
-  if (q.l1 >= 0 && q.l2 >= 0 && q.l1 + q.l2 <= 1) {
-    q.b1 = q.l1;
-    q.b2 = q.l2;
-    q.lateral_squared = 0;
-    return q;
-  }
-  const auto distance = [&](double b1, double b2) {
-    const double u = q.l1 - b1, v = q.l2 - b2;
-    return f.g11 * u * u + 2 * f.g12 * u * v + f.g22 * v * v;
+/// Of the point at d from corner a: `d1` = e1 . d, `d2` = e2 . d.
+template <class T>
+MV_INLINE Projection<T> project(T g11, T g12, T g22, T inverse_det, T d1, T d2) {
+  const T zero{}, one = broadcast<T>(1.0);
+  const auto unit = [&](T t) { return minimum(one, maximum(zero, t)); };
+  Projection<T> q;
+  q.l1 = (g22 * d1 - g12 * d2) * inverse_det;
+  q.l2 = (g11 * d2 - g12 * d1) * inverse_det;
+  const Mask<T> is_inside = (q.l1 >= zero) & (q.l2 >= zero) & (q.l1 + q.l2 <= one);
+  if constexpr (std::is_same_v<T, double>)
+    if (is_inside) return {q.l1, q.l2, q.l1, q.l2, 0.0};
+  const auto distance = [&](T b1, T b2) {
+    const T u = q.l1 - b1, v = q.l2 - b2;
+    return g11 * u * u + 2.0 * g12 * u * v + g22 * v * v;
   };
-  const auto unit = [](double t) { return std::min(1.0, std::max(0.0, t)); };
-  const double s = unit(d1 / f.g11), t = unit(d2 / f.g22);
-  const double w = unit((d2 - d1 + f.g11 - f.g12) / (f.g11 - 2 * f.g12 + f.g22));
+  const T s = unit(d1 / g11), t = unit(d2 / g22), w = unit((d2 - d1 + g11 - g12) / (g11 - 2.0 * g12 + g22));
   q.b1 = s;
-  q.b2 = 0;
-  q.lateral_squared = distance(s, 0);
-  const double on_second = distance(0, t), on_third = distance(1 - w, w);
-  if (on_second < q.lateral_squared) {
-    q.lateral_squared = on_second;
-    q.b1 = 0;
-    q.b2 = t;
-  }
-  if (on_third < q.lateral_squared) {
-    q.lateral_squared = on_third;
-    q.b1 = 1 - w;
-    q.b2 = w;
-  }
+  q.b2 = zero;
+  q.lateral_squared = distance(s, zero);
+  const auto take = [&](Mask<T> nearer, T b1, T b2, T squared) {
+    q.b1 = select(nearer, b1, q.b1);
+    q.b2 = select(nearer, b2, q.b2);
+    q.lateral_squared = select(nearer, squared, q.lateral_squared);
+  };
+  const T on_second = distance(zero, t), on_third = distance(one - w, w);
+  take(on_second < q.lateral_squared, zero, t, on_second);
+  take(on_third < q.lateral_squared, one - w, w, on_third);
+  take(is_inside, q.l1, q.l2, zero);
   return q;
 }
 
+/// `d` = x - f.a.
+inline Projection<double> project(const Facet& f, const Vec3& d) { return project<double>(f.g11, f.g12, f.g22, f.inverse_det, f.e1.dot(d), f.e2.dot(d)); }
+
 /// 0 below 0, 1 above 1, continuously differentiable between.
-inline double smooth_step(double t) {
-  t = std::min(1.0, std::max(0.0, t));
-  return t * t * (3 - 2 * t);
+template <class T>
+MV_INLINE T smooth_step(T t) {
+  t = minimum(broadcast<T>(1.0), maximum(T{}, t));
+  return t * t * (3.0 - 2.0 * t);
 }
 inline double smooth_step_slope(double t) { return t > 0 && t < 1 ? 6 * t * (1 - t) : 0.0; }
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One evaluation: frames of the triangles in reach -> each slave node computes its gap, force, friction and the reactions on its
+// One evaluation: frames of the triangles -> each slave node computes its gap, force, friction and the reactions on its
 // triangles' corners (records) -> each triangle sums its records -> each node sums its triangles. Every sum has a fixed order
 // that does not depend on threads or on when candidates were renewed: triangles without weight contribute nothing, lists are in
-// ascending order.
+// the order of the tree's leaves.
 #include "solver/contact/self_contact.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "geometry/core/errors.h"
@@ -18,6 +18,7 @@
 #include "solver/contact/candidates.h"
 #include "solver/contact/closest_gaps.h"
 #include "solver/contact/contact_kernel.h"
+#include "solver/contact/leaf_frames.h"
 #include "solver/contact/near_pairs.h"
 
 namespace mv {
@@ -25,7 +26,6 @@ namespace {
 
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
-using contact::Facet;
 using contact::smooth_step;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -50,9 +50,8 @@ struct FacetMotion {
 
 /// A triangle that a slave sees with positive weight.
 struct Sight {
-  int pair, triangle;
-  Vec3 n;
-  const Facet* facet;
+  int slot;      // of the triangle in the tree
+  int triangle;
   double p, weight, chi, u, reach_squared;
   double l1, l2, b1, b2;
 };
@@ -75,14 +74,19 @@ struct SlaveTotals {
   double force = 0, friction = 0, area = 0, gap = infinity, energy = 0, slip_energy = 0, dissipation = 0;
 };
 
+/// Forces on the three corners of a triangle.
+using CornerForces = std::array<double, 9>;
+
+/// Reactions of a piece of slaves on the triangles they see, in their order.
+struct Records {
+  std::vector<int> triangle;
+  std::vector<CornerForces> forces;
+};
+
 /// Of one thread, on cache lines of its own: the lists grow all the time.
 struct alignas(128) Scratch {
   std::vector<Sight> seen;
-  std::vector<int> passed;
 };
-
-/// Forces on the three corners of a triangle.
-using CornerForces = std::array<double, 9>;
 
 void add_corner(CornerForces& f, int corner, const Vec3& force) {
   f[3 * corner] += force[0];
@@ -126,6 +130,8 @@ struct SelfContact::Impl {
   double reach;                          // m, largest distance to a triangle that can matter
   std::vector<double> node_stiffness;    // N/m
   std::vector<double> averaging_radius;  // R_f per triangle, m
+  std::optional<SurfaceFrames> surface_frames;  // of the last x
+  std::vector<double> radius_squared;    // R_f^2 by slot of the tree
   std::vector<double> threshold_of;      // m, per surface node
   std::vector<int> ring_corner;          // which corner of ring[r] the node is
 
@@ -136,19 +142,16 @@ struct SelfContact::Impl {
   double near_scale = 1;
   bool has_candidates = false;
   bool has_new_history = false;
-  std::vector<int> slaves;                     // nodes with near pairs or elastic slip
-  std::vector<int> masters;                    // triangles in some list
-  std::vector<int> touched;                    // nodes that may receive a force
-  std::vector<int> master_start, master_pair;  // per master: its pairs, in the order of the slaves
-  std::vector<int> stamp;                      // scratch, per triangle
-  std::vector<int> node_stamp;                 // scratch, per node
+  std::vector<int> slaves;        // nodes with near pairs or elastic slip
+  float single_precision = 0;     // m, margin for what is tested in it
 
   // Per step.
-  std::vector<contact::FacetHead> heads;  // sizes with the averaging radius
-  std::vector<Facet> facets;
-  std::vector<int> record_of_pair;        // -1: no reaction
   std::vector<SlaveTotals> slave_totals;  // per slave
-  std::vector<CornerForces> records;
+  std::vector<Records> records;           // per piece of slaves
+  std::vector<int> pressed;               // triangles with records, in the order of these
+  std::vector<int> records_of;            // per triangle, scratch: how many, then where; 0 between steps
+  std::vector<int> record_start;          // per pressed triangle: its range in `ordered`
+  std::vector<const CornerForces*> ordered;
   std::vector<CornerForces> facet_force;
   std::vector<char> facet_active;
   std::vector<Scratch> scratch;            // per thread
@@ -170,6 +173,10 @@ struct SelfContact::Impl {
       const double rest_area = 0.5 * (s.reference[t[1]] - s.reference[t[0]]).cross(s.reference[t[2]] - s.reference[t[0]]).norm();
       averaging_radius[f] = options.averaging_ratio * std::sqrt(rest_area * 4 / std::sqrt(3.0));
     }
+    surface_frames.emplace(s, search.tree(), averaging_radius);
+    radius_squared.assign(static_cast<std::size_t>(search.tree().slot_count()), 0.0);
+    for (std::size_t slot = 0; slot < radius_squared.size(); ++slot)
+      if (const int f = search.tree().item(static_cast<int>(slot)); f >= 0) radius_squared[slot] = averaging_radius[f] * averaging_radius[f];
     const double radius_max = *std::max_element(averaging_radius.begin(), averaging_radius.end());
     sheet_separation = 0.5 * s.mean_edge;
     p_max = std::max(options.threshold + options.border_offset + sheet_separation, options.penetration_limit);
@@ -188,10 +195,7 @@ struct SelfContact::Impl {
     x_search.resize(3 * nodes);
     x_near.resize(3 * nodes);
     normal_near.resize(triangles);
-    stamp.assign(triangles, 0);
-    node_stamp.assign(nodes, 0);
-    heads.resize(triangles);
-    facets.resize(triangles);
+    records_of.assign(triangles, 0);
     is_active.assign(nodes, 0);
     facet_force.resize(triangles);
     facet_active.assign(triangles, 0);
@@ -222,7 +226,7 @@ struct SelfContact::Impl {
     return lost;
   }
 
-  /// What has to be renewed for x, to which the heads belong. True for NaN, too: the search then stops the run.
+  /// What has to be renewed for x, to which the frames belong. True for NaN, too: the search then stops the run.
   enum Stale { fresh = 0, near_pairs = 1, candidates = 2 };
   int what_is_stale(std::span<const double> x) {
     if (!has_candidates || (options.search_every > 0 && steps_since_search >= options.search_every)) return candidates;
@@ -244,8 +248,8 @@ struct SelfContact::Impl {
     parallel_ranges(surface.triangle_count(), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
       char any = 0;
       for (std::ptrdiff_t f = begin; f < end; ++f) {
-        any |= bits((heads[f].n - normal_near[f]).squaredNorm(), near_turn, infinity);
-        any |= bits((heads[f].n - normals[f]).squaredNorm(), infinity, turn_allowed);
+        any |= bits((surface_frames->normal(static_cast<int>(f)).n - normal_near[f]).squaredNorm(), near_turn, infinity);
+        any |= bits((surface_frames->normal(static_cast<int>(f)).n - normals[f]).squaredNorm(), infinity, turn_allowed);
       }
       moved_too_far[thread] |= any;
     });
@@ -254,7 +258,7 @@ struct SelfContact::Impl {
     return any;
   }
 
-  /// The heads belong to x.
+  /// The frames belong to x.
   void update_candidates(std::span<const double> x) {
     search.update(x, reach + options.skin, turn_allowed);
     parallel_for(surface.node_count(), [&](std::ptrdiff_t n) { Eigen::Map<Vec3>(x_search.data() + 3 * n) = at(x, surface.nodes[n]); });
@@ -264,141 +268,91 @@ struct SelfContact::Impl {
   }
 
   void update_near_pairs(std::span<const double> x) {
-    for (int n : touched) clear_outputs(n);
+    for (int n : slaves) clear_outputs(n);
     has_new_history = false;
     if (steps_since_near < few_steps) near_scale = std::min(1.0, 2 * near_scale);
     if (steps_since_near > many_steps) near_scale = std::max(least_near_scale, 0.5 * near_scale);
     steps_since_near = 0;
-    near.update(surface, search, heads, x, {options.penetration_limit, p_max, lateral_growth},
-                near_scale * near_skin_share * options.skin, near_scale * near_turn_allowed);
+    double largest = 0;
+    for (int n : surface.nodes) largest = std::max(largest, at(x, n).cwiseAbs().maxCoeff());
+    single_precision = static_cast<float>(4e-6 * largest);
+    near.update(surface, search, surface_frames->heads(), x, limits(), single_precision, near_scale * near_skin_share * options.skin,
+                near_scale * near_turn_allowed);
     parallel_for(surface.node_count(), [&](std::ptrdiff_t n) { Eigen::Map<Vec3>(x_near.data() + 3 * n) = at(x, surface.nodes[n]); });
-    parallel_for(surface.triangle_count(), [&](std::ptrdiff_t f) { normal_near[f] = heads[f].n; });
-
+    parallel_for(surface.triangle_count(), [&](std::ptrdiff_t f) { normal_near[f] = surface_frames->normal(static_cast<int>(f)).n; });
     slaves.clear();
-    masters.clear();
-    touched.clear();
-    std::fill(stamp.begin(), stamp.end(), 0);
-    std::fill(node_stamp.begin(), node_stamp.end(), 0);
-    for (int n = 0; n < surface.node_count(); ++n) {
-      const auto list = near.triangles_of(n);
-      if (list.empty() && slip[n].isZero(0)) continue;
-      slaves.push_back(n);
-      node_stamp[n] = 1;
-      for (int f : list) ++stamp[f];
-    }
-    for (int f = 0; f < surface.triangle_count(); ++f) {
-      if (stamp[f] == 0) continue;
-      masters.push_back(f);
-      for (int n : surface.triangles[f]) node_stamp[n] = 1;
-    }
-    for (int n = 0; n < surface.node_count(); ++n) {
-      if (node_stamp[n]) touched.push_back(n);
-    }
-    // Pairs by master: `stamp` turns from counts into positions.
-    master_start.assign(masters.size() + 1, 0);
-    for (std::size_t m = 0; m < masters.size(); ++m) {
-      master_start[m + 1] = master_start[m] + stamp[masters[m]];
-      stamp[masters[m]] = master_start[m];
-    }
-    master_pair.resize(static_cast<std::size_t>(near.pair_count()));
-    record_of_pair.assign(master_pair.size(), -1);
-    records.resize(master_pair.size());
-    for (int n : slaves) {
-      int pair = near.first_pair(n);
-      for (int f : near.triangles_of(n)) master_pair[stamp[f]++] = pair++;
-    }
+    for (int n = 0; n < surface.node_count(); ++n)
+      if (!near.blocks_of(n).empty() || !slip[n].isZero(0)) slaves.push_back(n);
     slave_totals.resize(slaves.size());
   }
 
-  void compute_frames(std::span<const double> x) {
-    parallel_for(surface.triangle_count(), [&](std::ptrdiff_t f) {
-      const auto& t = surface.triangles[f];
-      heads[f] = contact::make_head(at(x, surface.nodes[t[0]]), at(x, surface.nodes[t[1]]), at(x, surface.nodes[t[2]]));
-      heads[f].size += averaging_radius[f];
-      facet_active[f] = 0;
-    });
-  }
+  SightLimits limits() const { return {options.penetration_limit, p_max, lateral_growth}; }
 
-  static FacetMotion motion_of(const Facet& f, const Vec3& va, const Vec3& vb, const Vec3& vc) {
+  static FacetMotion motion_of(const Vec3& e1, const Vec3& e2, const Vec3& va, const Vec3& vb, const Vec3& vc) {
     FacetMotion m;
     m.v = va;
     m.dv1 = vb - va;
     m.dv2 = vc - va;
     // With r from the centroid the corners' r add up to zero; sum r r^T = 2/3 (e1 e1^T + e2 e2^T) - 1/3 (e1 e2^T + e2 e1^T).
-    const Vec3 centre = (f.e1 + f.e2) / 3;
-    m.spin = ((f.e1 - centre).cross(m.dv1) + (f.e2 - centre).cross(m.dv2)) / 3;
-    const Vec3 p = (2 * f.e1 - f.e2) / 9, q = (2 * f.e2 - f.e1) / 9;
-    const double trace = p.dot(f.e1) + q.dot(f.e2);
-    m.xx = trace - p[0] * f.e1[0] - q[0] * f.e2[0];
-    m.yy = trace - p[1] * f.e1[1] - q[1] * f.e2[1];
-    m.zz = trace - p[2] * f.e1[2] - q[2] * f.e2[2];
-    m.xy = -(p[0] * f.e1[1] + q[0] * f.e2[1]);
-    m.xz = -(p[0] * f.e1[2] + q[0] * f.e2[2]);
-    m.yz = -(p[1] * f.e1[2] + q[1] * f.e2[2]);
+    const Vec3 centre = (e1 + e2) / 3;
+    m.spin = ((e1 - centre).cross(m.dv1) + (e2 - centre).cross(m.dv2)) / 3;
+    const Vec3 p = (2 * e1 - e2) / 9, q = (2 * e2 - e1) / 9;
+    const double trace = p.dot(e1) + q.dot(e2);
+    m.xx = trace - p[0] * e1[0] - q[0] * e2[0];
+    m.yy = trace - p[1] * e1[1] - q[1] * e2[1];
+    m.zz = trace - p[2] * e1[2] - q[2] * e2[2];
+    m.xy = -(p[0] * e1[1] + q[0] * e2[1]);
+    m.xz = -(p[0] * e1[2] + q[0] * e2[2]);
+    m.yz = -(p[1] * e1[2] + q[1] * e2[2]);
     return m;
   }
 
-  /// Of the triangles in some list.
-  void compute_facets(std::span<const double> x) {
-    parallel_for(static_cast<std::ptrdiff_t>(masters.size()), [&](std::ptrdiff_t m) {
-      const int f = masters[m];
-      const auto& t = surface.triangles[f];
-      facets[f] = contact::make_facet(at(x, surface.nodes[t[0]]), at(x, surface.nodes[t[1]]), at(x, surface.nodes[t[2]]), heads[f].area2);
-    });
+  /// Adds to `seen` what the node, at x and with the normal n, sees of the triangles in the `wanted` lanes of a leaf.
+  void measure(int leaf, unsigned wanted, const Vec3& x, const Vec3& n, std::vector<Sight>& seen) const {
+    constexpr int width = BoxTree::width;
+    const LeafFrames& frames = surface_frames->frames(leaf);
+    for (int h = 0; h < width; h += lanes) {
+      const unsigned half = wanted >> h & ((1U << lanes) - 1);
+      if (half == 0) continue;
+      const auto of = [h](const LeafFrames::Eight& v) { return load(v.data() + h); };
+      Pack p{}, cosine{}, d1{}, d2{};
+      for (int i = 0; i < 3; ++i) {
+        const auto c = static_cast<std::size_t>(i);
+        const Pack d = x[i] - of(frames.a[c]), facing = of(frames.n[c]);
+        p += facing * d;
+        cosine += facing * n[i];
+        d1 += of(frames.e1[c]) * d;
+        d2 += of(frames.e2[c]) * d;
+      }
+      const contact::Projection<Pack> q = contact::project(of(frames.g11), of(frames.g12), of(frames.g22), of(frames.inverse_det), d1, d2);
+      const Pack reach_squared = load(radius_squared.data() + leaf * width + h) + lateral_growth * lateral_growth * p * p;
+      const Pack u = q.lateral_squared / reach_squared;
+      Pack chi = contact::smooth_step((cosine - facing_cosine) / (facing_full_cosine - facing_cosine));
+      chi = select(p < Pack{}, chi * contact::smooth_step((p + options.penetration_limit) / (depth_fade * options.penetration_limit)), chi);
+      const Pack weight = chi * (1.0 - u) * (1.0 - u);
+      unsigned visible = half & bits((cosine < facing_cosine) & (q.lateral_squared < reach_squared) & (p > -options.penetration_limit) & (p < p_max) & (weight > Pack{}));
+      for (; visible != 0; visible &= visible - 1) {
+        const int l = __builtin_ctz(visible), slot = leaf * width + h + l;
+        seen.push_back({slot, search.tree().item(slot), p[l], weight[l], chi[l], u[l], reach_squared[l], q.l1[l], q.l2[l], q.b1[l], q.b2[l]});
+      }
+    }
   }
 
   /// Triangles that face the node within reach, with their weights; returns W.
-  double look(const Vec3& x, int node, Scratch& scratch_of_thread) const {
-    std::vector<Sight>& seen = scratch_of_thread.seen;
+  double look(const Vec3& x, int node, std::vector<Sight>& seen) const {
     seen.clear();
-    const auto list = near.triangles_of(node);
-    // Most do not see each other: sorted out first, without a branch for each.
-    scratch_of_thread.passed.resize(std::max(scratch_of_thread.passed.size(), list.size()));
-    std::size_t passed = 0;
-    for (std::size_t k = 0; k < list.size(); ++k) {
-      const contact::FacetHead& head = heads[list[k]];
-      const Vec3 from_centre = x - head.centre;
-      const double height = head.n.dot(from_centre);
-      // Lateral distance is at least that to the centroid less the triangle's size; the averaging radius is at most R_f + gamma
-      // |p|.
-      const double far = head.size + lateral_growth * std::abs(height);
-      scratch_of_thread.passed[passed] = static_cast<int>(k);
-      passed += (height > -options.penetration_limit) & (height < p_max) & (from_centre.squaredNorm() - height * height <= 1.0001 * far * far);
+    const LeafSight sight(limits(), single_precision, 0);
+    const Eigen::Vector3f p = x.cast<float>();
+    Vec3 n = Vec3::Zero();
+    for (const NearPairs::Block& block : near.blocks_of(node)) {
+      const unsigned wanted = block.lanes & sight.of(surface_frames->heads()[static_cast<std::size_t>(block.leaf)], p);
+      if (wanted == 0) continue;
+      if (n.isZero(0)) n = node_normal(node);
+      measure(block.leaf, wanted, x, n, seen);
     }
-    if (passed == 0) return 0;
+    // Approaches |p| for full weight and infinity for none, so that `nearest` does not jump when a triangle comes into sight.
     double nearest = threshold_of[node];
-    const Vec3 n = node_normal(node);
-    for (std::size_t m = 0; m < passed; ++m) {
-      const int k = scratch_of_thread.passed[m], f = list[k], pair = near.first_pair(node) + k;
-      const contact::FacetHead& head = heads[f];
-      const double cosine = head.n.dot(n);
-      if (!(cosine < facing_cosine)) continue;
-      Sight s;
-      s.facet = &facets[f];
-      const Vec3 d = x - s.facet->a;
-      const double p = head.n.dot(d);
-      const auto q = contact::project(*s.facet, d);
-      const double reach_squared = averaging_radius[f] * averaging_radius[f] + lateral_growth * lateral_growth * p * p;
-      if (!(q.lateral_squared < reach_squared)) continue;
-      s.n = head.n;
-      s.pair = pair;
-      s.triangle = f;
-      s.p = p;
-      s.u = q.lateral_squared / reach_squared;
-      s.reach_squared = reach_squared;
-      s.l1 = q.l1;
-      s.l2 = q.l2;
-      s.b1 = q.b1;
-      s.b2 = q.b2;
-      s.chi = smooth_step((cosine - facing_cosine) / (facing_full_cosine - facing_cosine));
-      if (p < 0) s.chi *= smooth_step((p + options.penetration_limit) / (depth_fade * options.penetration_limit));
-      s.weight = s.chi * (1 - s.u) * (1 - s.u);
-      // Approaches |p| for full weight and infinity for none, so that `nearest` does not jump when a triangle comes into sight.
-      if (s.weight > 0) {
-        nearest = std::min(nearest, std::abs(p) + sheet_separation * (1 / s.weight - 1));
-        seen.push_back(s);
-      }
-    }
+    for (const Sight& s : seen) nearest = std::min(nearest, std::abs(s.p) + sheet_separation * (1 / s.weight - 1));
     double total = 0;
     std::size_t kept = 0;
     for (Sight& s : seen) {
@@ -419,7 +373,7 @@ struct SelfContact::Impl {
   Vec3 node_normal(int node) const {
     Vec3 sum = Vec3::Zero();
     for (int r = surface.ring_start[node]; r < surface.ring_start[node + 1]; ++r)
-      sum += heads[surface.ring[r]].area2 * heads[surface.ring[r]].n;
+      sum += surface_frames->normal(surface.ring[r]).area2 * surface_frames->normal(surface.ring[r]).n;
     const double length = sum.norm();
     return length > 0 ? Vec3(sum / length) : Vec3::Zero();
   }
@@ -427,20 +381,16 @@ struct SelfContact::Impl {
   double current_area(int node) const {
     double sum = 0;
     for (int r = surface.ring_start[node]; r < surface.ring_start[node + 1]; ++r) {
-      if (surface.triangle_side[surface.ring[r]] == surface.node_side[node]) sum += heads[surface.ring[r]].area2;
+      if (surface.triangle_side[surface.ring[r]] == surface.node_side[node]) sum += surface_frames->normal(surface.ring[r]).area2;
     }
     return sum / 6;
   }
 
   /// All of one slave node: outputs, its own force, records of the reactions.
-  SlaveTotals evaluate_slave(int node, std::span<const double> x, std::span<const double> v, double dt,
-                             Scratch& scratch_of_thread) {
-    const std::vector<Sight>& seen = scratch_of_thread.seen;
+  SlaveTotals evaluate_slave(int node, std::span<const double> x, std::span<const double> v, double dt, std::vector<Sight>& seen, Records& out) {
     SlaveTotals result;
-    const int first = near.first_pair(node);
-    if (is_active[node]) std::fill_n(record_of_pair.begin() + first, near.triangles_of(node).size(), -1);
     const Vec3 position = at(x, surface.nodes[node]);
-    const double total = look(position, node, scratch_of_thread);
+    const double total = look(position, node, seen);
     double g = infinity;
     int nearest = -1;
     if (total > 0) {
@@ -473,26 +423,25 @@ struct SelfContact::Impl {
     const double force_of_total = half_stiffness * fade_slope * penalty.energy;
 
     Vec3 own = Vec3::Zero(), mean_normal = Vec3::Zero();
-    int record = first;
+    const std::size_t first = out.forces.size();
     for (const Sight& s : seen) {
-      const Facet& f = *s.facet;
+      const Vec3 facing = surface_frames->n(s.slot);
       const double share = s.weight / total;
       // Factors on dp and on d(lateral distance squared), from dg and dW.
       const double slope = -2 * s.chi * (1 - s.u) * (force * (s.p - g) / total - force_of_total);
       const double on_p = force * share - slope * 2 * lateral_growth * lateral_growth * s.p * s.u / s.reach_squared;
       const double on_lateral = slope / s.reach_squared;
-      const Vec3 lateral = (s.l1 - s.b1) * f.e1 + (s.l2 - s.b2) * f.e2;
-      own += on_p * s.n + (2 * on_lateral) * lateral;
-      mean_normal += share * s.n;
-      const Vec3 along_normal = (2 * on_lateral * s.p - on_p) * s.n;
-      const Vec3 towards_closest = (-2 * on_lateral) * (lateral + s.p * s.n);
-      CornerForces& corners = records[record];
-      corners.fill(0.0);
+      const Vec3 lateral = (s.l1 - s.b1) * surface_frames->e1(s.slot) + (s.l2 - s.b2) * surface_frames->e2(s.slot);
+      own += on_p * facing + (2 * on_lateral) * lateral;
+      mean_normal += share * facing;
+      const Vec3 along_normal = (2 * on_lateral * s.p - on_p) * facing;
+      const Vec3 towards_closest = (-2 * on_lateral) * (lateral + s.p * facing);
+      CornerForces corners{};
       add_corner(corners, 0, (1 - s.l1 - s.l2) * along_normal + (1 - s.b1 - s.b2) * towards_closest);
       add_corner(corners, 1, s.l1 * along_normal + s.b1 * towards_closest);
       add_corner(corners, 2, s.l2 * along_normal + s.b2 * towards_closest);
-      record_of_pair[s.pair] = record++;
-      std::atomic_ref<char>(facet_active[s.triangle]).store(1, std::memory_order_relaxed);
+      out.triangle.push_back(s.triangle);
+      out.forces.push_back(corners);
     }
     is_active[node] = 1;
     own_force[node] = own;
@@ -503,23 +452,23 @@ struct SelfContact::Impl {
     result.area = current_area(node);
     pressure[node] = 2 * force / result.area;
     result.energy = half_stiffness * fade * penalty.energy;
-    if (options.friction > 0) add_friction(node, position, v, dt, force, total, seen, result);
+    if (options.friction > 0) add_friction(node, position, v, dt, force, total, seen, std::span(out.forces).subspan(first), result);
     return result;
   }
 
   /// Coulomb friction of one slave pass; see README for the return mapping and the turning observer.
   void add_friction(int node, const Vec3& x, std::span<const double> velocities, double dt, double force, double total,
-                    const std::vector<Sight>& seen, SlaveTotals& result) {
+                    const std::vector<Sight>& seen, std::span<CornerForces> reactions, SlaveTotals& result) {
     const Vec3 n = normal[node];
     Vec3 point = Vec3::Zero(), velocity = Vec3::Zero(), spin = Vec3::Zero();
     double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
     for (const Sight& s : seen) {
-      const Facet& f = *s.facet;
+      const Vec3 e1 = surface_frames->e1(s.slot), e2 = surface_frames->e2(s.slot);
       const auto& t = surface.triangles[s.triangle];
-      const FacetMotion m = motion_of(f, at(velocities, surface.nodes[t[0]]), at(velocities, surface.nodes[t[1]]),
+      const FacetMotion m = motion_of(e1, e2, at(velocities, surface.nodes[t[0]]), at(velocities, surface.nodes[t[1]]),
                                       at(velocities, surface.nodes[t[2]]));
       const double share = s.weight / total;
-      point += share * (f.a + s.b1 * f.e1 + s.b2 * f.e2);
+      point += share * (x - s.p * surface_frames->n(s.slot) - (s.l1 - s.b1) * e1 - (s.l2 - s.b2) * e2);
       velocity += share * (m.v + s.b1 * m.dv1 + s.b2 * m.dv2);
       spin += share * m.spin;
       xx += share * m.xx;
@@ -560,35 +509,53 @@ struct SelfContact::Impl {
     result.friction = 2 * friction.norm();
     own_force[node] += friction;
     const Vec3 turn = inverse * arm.cross(friction);
-    for (const Sight& s : seen) {
-      const Facet& f = *s.facet;
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+      const Sight& s = seen[k];
+      const Vec3 e1 = surface_frames->e1(s.slot), e2 = surface_frames->e2(s.slot);
       const double share = s.weight / total;
-      const Vec3 centre = (f.e1 + f.e2) / 3;
+      const Vec3 centre = (e1 + e2) / 3;
       const Vec3 twist = (share / 3) * turn;
-      CornerForces& corners = records[record_of_pair[s.pair]];
+      CornerForces& corners = reactions[k];
       add_corner(corners, 0, -(share * (1 - s.b1 - s.b2)) * friction - twist.cross(-centre));
-      add_corner(corners, 1, -(share * s.b1) * friction - twist.cross(f.e1 - centre));
-      add_corner(corners, 2, -(share * s.b2) * friction - twist.cross(f.e2 - centre));
+      add_corner(corners, 1, -(share * s.b1) * friction - twist.cross(e1 - centre));
+      add_corner(corners, 2, -(share * s.b2) * friction - twist.cross(e2 - centre));
     }
   }
 
+  /// The records by triangle, in the order of the slaves.
+  void sort_records() {
+    for (int f : pressed) facet_active[f] = 0;
+    pressed.clear();
+    std::size_t count = 0;
+    for (const Records& piece : records) {
+      count += piece.triangle.size();
+      for (int f : piece.triangle)
+        if (records_of[f]++ == 0) pressed.push_back(f);
+    }
+    ordered.resize(count);
+    record_start.assign(pressed.size() + 1, 0);
+    for (std::size_t m = 0; m < pressed.size(); ++m) {
+      record_start[m + 1] = record_start[m] + records_of[pressed[m]];
+      records_of[pressed[m]] = record_start[m];
+    }
+    for (const Records& piece : records)
+      for (std::size_t k = 0; k < piece.triangle.size(); ++k) ordered[records_of[piece.triangle[k]]++] = &piece.forces[k];
+  }
+
   void gather(std::span<double> forces) {
-    const auto sum_records = [&](std::ptrdiff_t m) {
-      const int f = masters[m];
-      if (!facet_active[f]) return;
-      CornerForces sum{};
-      for (int k = master_start[m]; k < master_start[m + 1]; ++k) {
-        const int record = record_of_pair[master_pair[k]];
-        if (record < 0) continue;
-        for (int c = 0; c < 9; ++c) sum[c] += records[record][c];
+    sort_records();
+    parallel_pieces(static_cast<std::ptrdiff_t>(pressed.size()), 256, [&](std::ptrdiff_t begin, std::ptrdiff_t end, int) {
+      for (std::ptrdiff_t m = begin; m < end; ++m) {
+        const int f = pressed[m];
+        CornerForces sum{};
+        for (int k = record_start[m]; k < record_start[m + 1]; ++k)
+          for (int c = 0; c < 9; ++c) sum[c] += (*ordered[k])[c];
+        facet_force[f] = sum;
+        facet_active[f] = 1;
+        records_of[f] = 0;
       }
-      facet_force[f] = sum;
-    };
-    parallel_pieces(static_cast<std::ptrdiff_t>(masters.size()), 256, [&](std::ptrdiff_t begin, std::ptrdiff_t end, int) {
-      for (std::ptrdiff_t m = begin; m < end; ++m) sum_records(m);
     });
-    parallel_for(static_cast<std::ptrdiff_t>(touched.size()), [&](std::ptrdiff_t k) {
-      const int n = touched[k];
+    parallel_for(surface.node_count(), [&](std::ptrdiff_t n) {
       Vec3 sum = own_force[n];
       for (int r = surface.ring_start[n]; r < surface.ring_start[n + 1]; ++r) {
         const int f = surface.ring[r];
@@ -597,6 +564,27 @@ struct SelfContact::Impl {
       nodal_force[n] = sum;
       Eigen::Map<Vec3>(forces.data() + 3 * static_cast<std::size_t>(surface.nodes[n])) += sum;
     });
+  }
+
+  /// Of the slaves; reactions go to `records`.
+  void evaluate_slaves(std::span<const double> x, std::span<const double> v, double dt) {
+    constexpr std::ptrdiff_t piece = 128;
+    const auto count = static_cast<std::ptrdiff_t>(slaves.size()), pieces = (count + piece - 1) / piece;
+    records.resize(static_cast<std::size_t>(pieces));
+    scratch.resize(std::max(scratch.size(), static_cast<std::size_t>(thread_count())));
+    parallel_pieces(
+        pieces, 1,
+        [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
+          for (std::ptrdiff_t p = begin; p < end; ++p) {
+            // Moved here and back: threads would share the cache line of neighbouring lists.
+            Records out = std::move(records[p]);
+            out.triangle.clear();
+            out.forces.clear();
+            for (std::ptrdiff_t k = p * piece; k < std::min(count, (p + 1) * piece); ++k) slave_totals[k] = evaluate_slave(slaves[k], x, v, dt, scratch[thread].seen, out);
+            records[p] = std::move(out);
+          }
+        },
+        2);
   }
 
   ContactResult totals() {
@@ -630,24 +618,20 @@ void SelfContact::set_node_stiffness(std::span<const double> stiffness) {
 }
 
 void SelfContact::update_candidates(std::span<const double> x) {
-  impl_->compute_frames(x);
+  impl_->surface_frames->update(x);
   impl_->update_candidates(x);
 }
 
 ContactResult SelfContact::evaluate(std::span<const double> x, std::span<const double> v, double dt, std::span<double> forces) {
   Impl& c = *impl_;
-  c.compute_frames(x);
+  c.surface_frames->update(x);
   const int stale = c.what_is_stale(x);
   const bool searched = stale & Impl::candidates;
   if (searched) c.update_candidates(x);
   else if (stale & Impl::near_pairs) c.update_near_pairs(x);
   ++c.steps_since_search;
   ++c.steps_since_near;
-  c.compute_facets(x);
-  c.scratch.resize(std::max(c.scratch.size(), static_cast<std::size_t>(thread_count())));
-  parallel_pieces(static_cast<std::ptrdiff_t>(c.slaves.size()), 128, [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
-    for (std::ptrdiff_t k = begin; k < end; ++k) c.slave_totals[k] = c.evaluate_slave(c.slaves[k], x, v, dt, c.scratch[thread]);
-  });
+  c.evaluate_slaves(x, v, dt);
   c.gather(forces);
   ContactResult result = c.totals();
   result.searched = searched;

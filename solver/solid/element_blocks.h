@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "solver/solid/leaflet_solid.h"
-#include "solver/solid/pack.h"
+#include "geometry/core/pack.h"
 
 namespace mv::solid_kernel {
 

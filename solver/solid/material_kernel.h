@@ -9,7 +9,7 @@
 // Nothing is divided by J, which keeps every term finite for flat and inverted elements.
 
 #include "solver/solid/material.h"
-#include "solver/solid/pack.h"
+#include "geometry/core/pack.h"
 #include "solver/solid/principal.h"
 
 namespace mv::solid_kernel {

@@ -4,7 +4,7 @@
 // Principal values of symmetric 3x3 tensors for T = double or Pack: cyclic Jacobi rotations. Unlike the closed form with the
 // arccosine it keeps full accuracy, and orthonormal vectors, for repeated and nearly repeated values.
 
-#include "solver/solid/pack.h"
+#include "geometry/core/pack.h"
 
 namespace mv::solid_kernel {
 

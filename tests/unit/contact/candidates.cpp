@@ -101,7 +101,9 @@ TEST(NearPairs, keep_all_that_is_seen_until_something_has_moved_too_far) {
   };
   const auto heads = heads_of(c.x);
   NearPairs near;
-  near.update(c.surface, search, heads, c.x, limits, skin, turn);
+  std::vector<LeafHeads> leaves;
+  gather_leaf_heads(search.tree(), [&](int f) { return &heads[static_cast<std::size_t>(f)]; }, leaves);
+  near.update(c.surface, search, leaves, c.x, limits, 1e-6F * static_cast<float>(mm), skin, turn);
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   long seen = 0, new_in_sight = 0, listed = 0, left_out = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "solver/solid/pack.h"
+#include "geometry/core/pack.h"
 
 #include <gtest/gtest.h>
 

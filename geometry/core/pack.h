@@ -50,6 +50,14 @@ MV_INLINE Pack load(const double* p) {
   std::memcpy(&r, p, sizeof r);
   return r;
 }
+/// p[index[0]], p[index[1]], ... Filled value by value into memory and loaded from there it would take several times as long.
+MV_INLINE Pack gather(const double* p, const std::int32_t* index) {
+#if MV_LANES == 8
+  return Pack{p[index[0]], p[index[1]], p[index[2]], p[index[3]], p[index[4]], p[index[5]], p[index[6]], p[index[7]]};
+#else
+  return Pack{p[index[0]], p[index[1]], p[index[2]], p[index[3]]};
+#endif
+}
 MV_INLINE void store(double* p, Pack v) { std::memcpy(p, &v, sizeof v); }
 
 MV_INLINE double select(bool mask, double a, double b) { return mask ? a : b; }
@@ -65,6 +73,19 @@ MV_INLINE bool any(PackInt mask) {
   std::int64_t r = 0;
   for (int i = 0; i < lanes; ++i) r |= mask[i];
   return r != 0;
+#endif
+}
+
+/// Bit l: lane l holds.
+MV_INLINE unsigned bits(PackInt mask) {
+#if defined(__AVX512DQ__)
+  return static_cast<unsigned>(_mm512_movepi64_mask((__m512i)mask));
+#elif defined(__AVX2__) && MV_LANES == 4
+  return static_cast<unsigned>(_mm256_movemask_pd((__m256d)mask));
+#else
+  unsigned r = 0;
+  for (int i = 0; i < lanes; ++i) r |= static_cast<unsigned>(mask[i] & 1) << i;
+  return r;
 #endif
 }
 
