@@ -36,8 +36,8 @@ sigset_t interrupts() {
 
 [[noreturn]] void end_program() {
   writing.try_lock_for(longest_write);  // and never given back
+  list.lock();  // so that no new one begins, and a stage that fails for want of its program waits
   end_running_programs();
-  list.lock();  // so that no new one begins
   // The stage goes on and may write into a directory while it is being removed.
   for (const auto& directory : unfinished)
     for (int attempt = 0; attempt < removals; ++attempt) {
