@@ -163,7 +163,7 @@ TEST(MotionFiles, what_cannot_be_of_this_valve_is_refused_where_the_tube_is_made
   changed = ring;
   std::shuffle(changed.begin(), changed.end(), std::mt19937(3));
   expect(moved("annulus", motion(changed, smaller)), 4, "motion.csv", "not in order");
-  expect(moved("annulus", motion({ring.begin(), ring.begin() + 3}, smaller)), 4, "motion.csv", "3 points, at least 8");
+  expect(moved("annulus", motion({ring.begin(), ring.begin() + 3}, smaller)), 4, "motion.csv", "is the file of this valve");
   expect(moved("annulus", motion(ring, smaller, 1e-5)), 4, "motion.csv", "are the times in seconds");
   expect(moved("annulus", motion(ring, smaller, 100)), 0, "motion.csv", "are the times in seconds?");
   expect(moved("annulus", motion(ring, [](const Vec3& p) { return Vec3(2 * p); })), 0, "motion.csv", "100 % longer than at rest");
