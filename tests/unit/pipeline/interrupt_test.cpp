@@ -9,7 +9,6 @@
 #include <thread>
 
 #include "geometry/core/errors.h"
-#include "unit/core/sample_case.h"
 
 namespace {
 
@@ -31,10 +30,11 @@ constexpr int interrupted = static_cast<int>(mv::ExitCode::interrupted);
 }  // namespace
 
 TEST(Interrupt, removes_unfinished_files_whichever_thread_receives_it) {
-  const mv_test::TemporaryDirectory dir;
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // with the threads that libraries start
+  const auto directory = std::filesystem::temp_directory_path() / "mv_interrupt_test";
   for (const int signal : {SIGINT, SIGTERM})
     for (const bool is_for_thread : {true, false}) {
-      EXPECT_EXIT(run_until(signal, is_for_thread, dir / "unfinished"), testing::ExitedWithCode(interrupted), "");
-      EXPECT_FALSE(std::filesystem::exists(dir / "unfinished"));
+      EXPECT_EXIT(run_until(signal, is_for_thread, directory), testing::ExitedWithCode(interrupted), "");
+      EXPECT_FALSE(std::filesystem::exists(directory));
     }
 }
