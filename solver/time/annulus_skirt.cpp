@@ -15,7 +15,6 @@ namespace {
 constexpr double metres_per_mm = 1e-3;
 constexpr double row_step = 0.5;       // fluid cells, between rows and along them
 constexpr double outside_allowed = 0.5;  // fluid cells, beyond what lies outside at rest
-constexpr double rounding = 1e-3;      // fluid cells, of what mvprep made just long enough
 
 Vec3 to_tube(const Tube& tube, const Vec3& p) { return metres_per_mm * (tube.axes * (p - tube.origin)); }
 
@@ -32,7 +31,7 @@ std::vector<Vec3> resampled(const std::vector<Vec3>& curve, double step) {
 
 void check_room(const Scene& scene, const AnnulusMotion& motion, const std::string& file) {
   const Tube& tube = scene.tube;
-  const double cell = metres_per_mm * tube.grid_spacing, room = (tube_end_cells - rounding) * cell;
+  const double cell = metres_per_mm * tube.grid_spacing, room = tube_end_cells_needed * cell;
   double lowest = 1e300, highest = -1e300;
   for (const Vec3& p : scene.mesh.points) {
     const double z = to_tube(tube, p).z();

@@ -159,7 +159,7 @@ double longest_flail(const Scene& scene) {
 void check_room(const Scene& scene) {
   if (!scene.has_fluid()) return;
   const Tube& tube = scene.tube;
-  const double margin = tube_end_cells * tube.grid_spacing;
+  const double margin = tube_end_cells_needed * tube.grid_spacing;
   long outside = 0;
   std::size_t first = 0;
   double annulus_top = -1e300, length = 0;
