@@ -20,7 +20,8 @@ namespace mv {
 namespace {
 
 constexpr double distinct_spacing = 1.3;  // ratio from which the longest voxel side is the distance of slices
-constexpr std::size_t most_copies = 4;    // equal slices in a row
+constexpr std::size_t odd_copies = 4;     // equal slices in a row; label maps that were resampled along the stack have them
+constexpr double most_copies = 0.5;       // of the slices that hold leaflet
 constexpr double noise_in_pixels = 0.5;   // of a curve point, for the discrepancy principle
 
 Vec3 vector_of(const Config& config, const char* key, double unit) {
@@ -108,15 +109,21 @@ std::vector<GreySlice> read_grey_slices(const Config& config, std::vector<std::s
   return slices_of(labels.image, stack_axis(config, labels.image), path.filename().string());
 }
 
-/// A slice that was copied over the stack is no valve.
+/// A slice that was copied over most of the stack is no valve.
 void check_copies(const std::vector<Slice>& slices, const std::string& name) {
-  std::size_t run = 1;
-  for (std::size_t k = 1; k < slices.size(); ++k) {
+  const auto is_leaflet = [](std::uint8_t p) { return p == static_cast<std::uint8_t>(SlicePart::leaflet) || p == static_cast<std::uint8_t>(SlicePart::anterior) || p == static_cast<std::uint8_t>(SlicePart::posterior); };
+  std::size_t with_leaflet = 0, run = 0, longest = 0, last = 0;
+  for (std::size_t k = 0; k < slices.size(); ++k) {
     const auto& parts = slices[k].parts;
-    const bool has_leaflet = std::any_of(parts.begin(), parts.end(), [](std::uint8_t p) { return p == static_cast<std::uint8_t>(SlicePart::leaflet) || p == static_cast<std::uint8_t>(SlicePart::anterior) || p == static_cast<std::uint8_t>(SlicePart::posterior); });
-    run = has_leaflet && parts == slices[k - 1].parts ? run + 1 : 1;
-    if (run == most_copies) throw InputError(fmt::format("{}: slices {} to {} hold the same leaflets to the last pixel; expected a valve that changes from slice to slice", name, k + 2 - run, k + 1));
+    const bool has_leaflet = std::any_of(parts.begin(), parts.end(), is_leaflet);
+    with_leaflet += has_leaflet;
+    run = !has_leaflet ? 0 : run > 0 && parts == slices[k - 1].parts ? run + 1 : 1;
+    if (run > longest) longest = run, last = k;
   }
+  if (longest < odd_copies) return;
+  const std::string text = fmt::format("{}: slices {} to {} hold the same leaflets to the last pixel", name, last + 2 - longest, last + 1);
+  if (static_cast<double>(longest) > most_copies * static_cast<double>(with_leaflet)) throw InputError(text + "; expected a valve that changes from slice to slice");
+  spdlog::warn("{}: was the stack resampled?", text);
 }
 
 /// Grey values to parts; says what values there are when no leaflet is among them.

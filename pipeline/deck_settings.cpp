@@ -56,8 +56,8 @@ void take_user_law(const Config& config, const DeckMaterial& material, const std
     return;
   }
   const auto& names = config.texts("deck.user_properties");
-  if (names.size() != material.data.size())
-    throw ConfigError(fmt::format("key 'deck.user_properties' names {} constants, material '{}' has {}; expected one name each, - for those not to take", names.size(), material.name, material.data.size()));
+  if (names.size() > material.data.size())
+    throw ConfigError(fmt::format("key 'deck.user_properties' names {} constants, material '{}' has {}; expected one name each at most, - for those not to take", names.size(), material.name, material.data.size()));
   taker.take(at + "law", law);
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i] == "-") continue;

@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <mutex>
 #include <set>
@@ -34,10 +35,19 @@ sigset_t interrupts() {
   return set;
 }
 
+pthread_t watcher;
+
+/// Threads that libraries start before main do not block the signals; one that the system delivers there goes on to the watching thread.
+void forward(int signal) {
+  const int error = errno;
+  if (!pthread_equal(pthread_self(), watcher)) pthread_kill(watcher, signal);
+  errno = error;
+}
+
 [[noreturn]] void end_program() {
   writing.try_lock_for(longest_write);  // and never given back
+  list.lock();  // so that no new one begins, and a stage that fails for want of its program waits
   end_running_programs();
-  list.lock();  // so that no new one begins
   // The stage goes on and may write into a directory while it is being removed.
   for (const auto& directory : unfinished)
     for (int attempt = 0; attempt < removals; ++attempt) {
@@ -57,11 +67,18 @@ void catch_interrupts() {
   signal(SIGXFSZ, SIG_IGN);
   const sigset_t set = interrupts();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);  // inherited by every later thread
-  std::thread([set] {
+  std::thread watching([set] {
     int signal = 0;
     while (sigwait(&set, &signal) != 0) continue;
     end_program();
-  }).detach();
+  });
+  watcher = watching.native_handle();
+  watching.detach();
+  struct sigaction action {};
+  action.sa_handler = forward;
+  action.sa_mask = set;
+  action.sa_flags = SA_RESTART;
+  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
 }
 
 Uninterrupted::Uninterrupted() { writing.lock(); }

@@ -6,7 +6,7 @@
 namespace mv {
 
 /// From here on Ctrl-C and SIGTERM end the program with exit code 130, whatever it computes: programs it runs are told to end, its unfinished directories are removed.
-/// To be called before any thread starts.
+/// To be called before main starts a thread.
 void catch_interrupts();
 
 /// While one lives an interrupt waits (for 10 s at most): around writes that belong together.

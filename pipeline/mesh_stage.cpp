@@ -2,12 +2,14 @@
 #include "pipeline/mesh_stage.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
 #include "geometry/thick/thick_leaflets.h"
 #include "geometry/volume/leaflet_tets.h"
+#include "pipeline/interrupt.h"
 #include "pipeline/labels_source.h"
 #include "pipeline/surface_source.h"
 
@@ -28,8 +30,9 @@ std::string told(const TetTrial& t) {
   return fmt::format("{} {} tetrahedra, angles {:.1f} to {:.1f} deg, {} below 10 deg, {} with long steps", to_string(t.mesher), t.tets, t.dihedral_min, t.dihedral_max, t.below_limit, t.too_long);
 }
 
-LeafletMesh fill(const Config& config, const SourceGeometry& source, ThickReport& report) {
+LeafletMesh fill(const Config& config, const SourceGeometry& source, const std::filesystem::path& directory, ThickReport& report) {
   ThickOptions options;
+  options.directory = directory;
   options.spacing = config.number_in("mesh.spacing", "mm");
   options.thickness = config.number_in("mesh.thickness", "mm");
   options.layers = static_cast<int>(config.integer("mesh.layers"));
@@ -42,7 +45,8 @@ LeafletMesh fill(const Config& config, const SourceGeometry& source, ThickReport
 LeafletMesh make_mesh(const Config& config, const SourceGeometry& source) {
   if (is_thick(config)) {
     ThickReport report;
-    return fill(config, source, report);
+    const UnfinishedDirectory work(std::filesystem::temp_directory_path() / fmt::format("mvprep_{}", getpid()));
+    return fill(config, source, work.path(), report);
   }
   ThickenOptions options;
   options.thickness = config.number_in("mesh.thickness", "mm");
@@ -54,7 +58,7 @@ LeafletMesh make_mesh(const Config& config, const SourceGeometry& source) {
 std::string run_mesh_stage(const StageContext& context) {
   const SourceGeometry source = read_source(context.in("mid_surface.vtp"));
   ThickReport report;
-  const LeafletMesh mesh = is_thick(context.config) ? fill(context.config, source, report) : make_mesh(context.config, source);
+  const LeafletMesh mesh = is_thick(context.config) ? fill(context.config, source, context.output_directory, report) : make_mesh(context.config, source);
   write_leaflets(context.out("leaflets.vtu"), mesh);
   std::string summary = fmt::format("{} points, {} {} tetrahedra", mesh.points.size(), mesh.tets.size(), mesh.order == 2 ? "quadratic" : "linear");
   if (!is_thick(context.config)) return summary;

@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "geometry/annulus/annulus_check.h"
 #include "geometry/annulus/closed_curve.h"
 #include "geometry/core/case_files.h"
@@ -17,6 +20,7 @@ namespace {
 constexpr double farthest = 40;      // mm, of any movement
 constexpr double odd_duration = 20;  // of the run
 constexpr double odd_stretch = 0.4;  // of the annulus' length; life's stays below a fifth
+constexpr int fewest_for_shape = 8;  // points; of fewer a file of this valve tells no shape
 
 double length_of(const std::vector<Vec3>& curve) {
   double length = 0;
@@ -32,21 +36,31 @@ void warn_of_slowness(const MotionTable& motion, const Config& config, const std
 
 void warn_of_stretch(const MotionTable& motion, const Annulus& annulus, const std::string& file, std::vector<std::string>& warnings) {
   const double rest = length_of(annulus.points);
+  double worst = 0, when = 0;
   for (const double time : motion.times()) {
     std::vector<Vec3> moved = annulus.points;
     for (Vec3& p : moved) p += motion.displacement(motion.nearest(p), time);
-    if (const double stretch = length_of(moved) / rest - 1; std::abs(stretch) > odd_stretch)
-      warnings.push_back(fmt::format("{}: at {:.4g} s the annulus is {:.0f} % {} than at rest; in life it changes by 5 to 20 %", file, time, 100 * std::abs(stretch), stretch > 0 ? "longer" : "shorter"));
+    if (const double stretch = length_of(moved) / rest - 1; std::abs(stretch) > std::abs(worst)) worst = stretch, when = time;
   }
+  if (std::abs(worst) > odd_stretch)
+    warnings.push_back(fmt::format("{}: at {:.4g} s the annulus is {:.0f} % {} than at rest; in life it changes by 5 to 20 %", file, when, 100 * std::abs(worst), worst > 0 ? "longer" : "shorter"));
 }
 
-/// All places of a moving annulus belong into the tube.
-void contain(const MotionTable& motion, const std::vector<MotionTable::Place>& places, const LeafletMesh& mesh, TubeOptions& options) {
+/// All places of a moving annulus belong into the tube, and the leaflets as far along it as they are taken.
+void contain(const MotionTable& motion, const std::vector<MotionTable::Place>& places, const LeafletMesh& mesh, const Vec3& normal, TubeOptions& options) {
+  double least = 0, most = 0;  // mm, along the normal
   for (const double time : motion.times()) {
     std::size_t k = 0;
-    for (std::size_t i = 0; i < mesh.points.size(); ++i)
-      if (mesh.on_annulus[i]) options.contained.push_back(mesh.points[i] + motion.displacement(places[k++], time));
+    for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+      if (!mesh.on_annulus[i]) continue;
+      const Vec3 u = motion.displacement(places[k++], time);
+      options.contained.push_back(mesh.points[i] + u);
+      least = std::min(least, u.dot(normal)), most = std::max(most, u.dot(normal));
+    }
   }
+  const auto [first, last] = std::minmax_element(mesh.points.begin(), mesh.points.end(), [&](const Vec3& a, const Vec3& b) { return a.dot(normal) < b.dot(normal); });
+  options.contained.push_back(*first + least * normal);
+  options.contained.push_back(*last + most * normal);
 }
 
 /// Throws InputError for a motion that no valve makes.
@@ -74,11 +88,12 @@ Tube make_tube(const Config& config, const Annulus& annulus, const LeafletMesh& 
   if (!config.text("annulus.motion").empty()) {
     const auto file = config.path("annulus.motion");
     const MotionTable motion = MotionTable::read(file);
-    for (const std::string& note : check_annulus_curve(clean_closed_curve(motion.rest(), nullptr, file.string()), file.string(), 0)) warnings.push_back(note);
+    if (motion.points() >= fewest_for_shape)
+      for (const std::string& note : check_annulus_curve(clean_closed_curve(motion.rest(), nullptr, file.string()), file.string(), 0)) warnings.push_back(note);
     const auto places = motion.places_of_annulus(mesh, file.string());
     check_motion(motion, config, file.string(), warnings);
     warn_of_stretch(motion, annulus, file.string(), warnings);
-    if (config.flag("fluid.enabled")) contain(motion, places, mesh, options);
+    if (config.flag("fluid.enabled")) contain(motion, places, mesh, annulus.normal.normalized(), options);
   }
   if (!config.text("papillary.motion").empty()) {
     const auto file = config.path("papillary.motion");

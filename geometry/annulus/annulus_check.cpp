@@ -22,6 +22,7 @@ constexpr double odd_step = 4;                          // ... and over the mean
 constexpr double farthest_tip = 200, odd_tip = 80;      // mm
 constexpr int samples = 360;                            // of the curve, for its crossings
 constexpr std::size_t most_points = 2000;               // of a curve that is not smoothed
+constexpr double smallest_loop = 0.05;                  // of the curve's length; noise of dense points ties smaller ones
 
 Vec3 middle(const std::vector<Vec3>& points) {
   Vec3 sum = Vec3::Zero();
@@ -54,9 +55,9 @@ void check_size(const std::vector<Vec3>& curve, const std::string& name, std::ve
     notes.push_back(fmt::format("{}: {}; human ones measure 20 to 60 mm: are the coordinates in millimetres?", name, size));
 }
 
-/// Projection on the plane of the principal axes, about the middle of the points.
+/// Projection on the plane of the principal axes, about the middle of the curve, which dense points on one part of it do not move.
 std::vector<Vec2> projected(const std::vector<Vec3>& curve, const Annulus& plane) {
-  const Vec3 centre = middle(curve), x = plane.axis_major, y = plane.normal.cross(x);
+  const Vec3 centre = plane.origin, x = plane.axis_major, y = plane.normal.cross(x);
   std::vector<Vec2> flat;
   for (const Vec3& p : curve) flat.emplace_back((p - centre).dot(x), (p - centre).dot(y));
   return flat;
@@ -95,9 +96,12 @@ void check_gaps(const std::vector<Vec3>& curve, const std::string& name, std::ve
 
 void check_crossings(const std::vector<Vec3>& curve, const std::vector<Vec2>& flat, const std::string& name) {
   const std::size_t n = flat.size();
+  std::vector<double> passed{0};  // mm, from the first point
+  for (std::size_t i = 0; i < n; ++i) passed.push_back(passed[i] + (curve[(i + 1) % n] - curve[i]).norm());
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 2; j < n; ++j) {
-      if (i == 0 && j == n - 1) continue;
+      const double loop = passed[j] - passed[i];
+      if (std::min(loop, passed[n] - loop) < smallest_loop * passed[n]) continue;
       const Vec2 &a = flat[i], &b = flat[i + 1], &c = flat[j], &d = flat[(j + 1) % n];
       if (cross(b - a, c - a) * cross(b - a, d - a) < 0 && cross(d - c, a - c) * cross(d - c, b - c) < 0)
         throw InputError(fmt::format("{}: the annulus crosses itself near {} and goes through there again after {:.0f} % of its points: is a part of them listed in another order?", name, place(curve[i]),

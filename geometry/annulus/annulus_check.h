@@ -11,7 +11,8 @@
 namespace mv {
 
 /// `curve`: closed, mm, cleaned (closed_curve.h). Checked in the plane of its principal axes: its size (1 to 300 mm across), that it goes round its middle once and in
-/// one sense (points in order, listed once), that no third of it is missing, and that it does not cross itself after smoothing by `harmonics` (0: as it is).
+/// one sense (points in order, listed once), that no third of it is missing, and that it does not cross itself after smoothing by `harmonics` (0: as it is); loops shorter than a
+/// twentieth of it are noise.
 /// Returns what is odd, for a warning: a size no human annulus has, a long stretch without points. Throws InputError that begins with `name`.
 std::vector<std::string> check_annulus_curve(const std::vector<Vec3>& curve, const std::string& name, int harmonics = 8);
 

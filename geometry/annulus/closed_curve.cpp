@@ -16,6 +16,7 @@ constexpr std::size_t fewest_points = 8;
 /// A measured annulus never turns back on itself; a sharper turn than this is a digitising spike.
 const double spike_cosine = std::cos(120.0 * std::numbers::pi / 180.0);
 constexpr double most_spikes = 0.5;  // of the points; noise as large as their distance stays below
+constexpr std::size_t coarse_points = 200;  // by which noisy dense points are judged
 
 double extent(const std::vector<Vec3>& points) {
   Vec3 lower = points.front(), upper = points.front();
@@ -64,6 +65,33 @@ Vec3 catmull_rom(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, dou
   return (2 * t3 - 3 * t2 + 1) * b + (t3 - 2 * t2 + t) * slope_b + (-2 * t3 + 3 * t2) * c + (t3 - t2) * slope_c;
 }
 
+/// Removes points where the curve turns back; returns how many.
+int remove_spikes(std::vector<Vec3>& kept) {
+  int removed = 0;
+  for (std::size_t i = 0; i < kept.size() && kept.size() > fewest_points;) {
+    const std::size_t n = kept.size();
+    const Vec3 before = kept[i] - kept[(i + n - 1) % n], after = kept[(i + 1) % n] - kept[i];
+    if (before.dot(after) < spike_cosine * before.norm() * after.norm()) {
+      kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(i));
+      ++removed;
+      i = i > 0 ? i - 1 : 0;
+    } else {
+      ++i;
+    }
+  }
+  return removed;
+}
+
+/// Whether the curve turns back no more often than a measured one. Dense points turn back at every step of their noise, so theirs is judged by every n-th;
+/// n is odd, or of two halves in turn one would be taken for the whole.
+bool is_in_order(const std::vector<Vec3>& points) {
+  const std::size_t step = points.size() / coarse_points | 1;
+  std::vector<Vec3> coarse;
+  for (std::size_t i = 0; i < points.size(); i += step) coarse.push_back(points[i]);
+  const double count = static_cast<double>(coarse.size());
+  return remove_spikes(coarse) <= most_spikes * count;
+}
+
 }  // namespace
 
 std::vector<Vec3> clean_closed_curve(const std::vector<Vec3>& points, CurveReport* report, const std::string& name) {
@@ -80,18 +108,9 @@ std::vector<Vec3> clean_closed_curve(const std::vector<Vec3>& points, CurveRepor
   while (kept.size() > 1 && (kept.front() - kept.back()).norm() <= tolerance) kept.pop_back();
   local.duplicates_removed = static_cast<int>(points.size() - kept.size());
   if (kept.size() >= fewest_points && is_straight(kept)) throw InputError(name + ": the points lie on a line, no plane can be fitted");
-  for (std::size_t i = 0; i < kept.size() && kept.size() > fewest_points;) {
-    const std::size_t n = kept.size();
-    const Vec3 before = kept[i] - kept[(i + n - 1) % n], after = kept[(i + 1) % n] - kept[i];
-    if (before.dot(after) < spike_cosine * before.norm() * after.norm()) {
-      kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(i));
-      ++local.spikes_removed;
-      i = i > 0 ? i - 1 : 0;
-    } else {
-      ++i;
-    }
-  }
-  if (local.spikes_removed > most_spikes * local.points_read)
+  const std::vector<Vec3> distinct = kept;
+  local.spikes_removed = remove_spikes(kept);
+  if (local.spikes_removed > most_spikes * local.points_read && !is_in_order(distinct))
     throw InputError(name + ": the points of the annulus are not in order: the curve turns back at " + std::to_string(local.spikes_removed) + " of " + std::to_string(local.points_read) +
                      "; list them one after the other around the annulus");
   if (kept.size() < fewest_points)

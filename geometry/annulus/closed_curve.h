@@ -23,7 +23,7 @@ struct CurveReport {
 
 /// Removes duplicates and out-and-back spikes from an ordered closed curve; the order is kept, the last point is not repeated.
 /// Throws InputError, which begins with `name`, when fewer than 8 points remain, a coordinate is not finite, or half of the
-/// points are spikes: not in order.
+/// points (and of every n-th of dense ones) are spikes: not in order.
 std::vector<Vec3> clean_closed_curve(const std::vector<Vec3>& points, CurveReport* report = nullptr, const std::string& name = "annulus curve");
 
 /// Smooth closed curve x(u), u = arc length in [0, length). Interpolates `ordered` by a periodic Catmull-Rom spline that is

@@ -65,7 +65,7 @@ CsvColumns read_header(const CsvTable& table, double unit_in_mm) {
     double to_mm = 0;
     const std::string name = split_unit(table.columns()[c], to_mm, table.file() + ": line 1");
     if (name.empty()) continue;
-    columns.index[name] = c;
+    columns.index[name] = table.column(table.columns()[c]);
     columns.to_mm[name] = to_mm;
     columns.has_own_unit = columns.has_own_unit || (to_mm > 0 && name != "area" && to_mm != unit_in_mm);
   }

@@ -75,17 +75,15 @@ CsvTable::CsvTable(const std::filesystem::path& file, std::string_view expected)
   if (header == lines.size()) throw InputError(file_ + ": is empty; expected the header " + expected_ + " and a row for each point");
   separator_ = separator_of(lines[header]);
   columns_ = cells_of(lines[header], separator_);
-  for (std::size_t c = 0; c < columns_.size(); ++c)
-    if (!columns_[c].empty() && std::find(columns_.begin(), columns_.begin() + static_cast<std::ptrdiff_t>(c), columns_[c]) != columns_.begin() + static_cast<std::ptrdiff_t>(c))
-      throw InputError(fmt::format("{}: line {}: column '{}' is there twice; expected {}", file_, header + 1, shortened(columns_[c]), expected_));
   for (std::size_t i = header + 1; i < lines.size(); ++i) {
     if (is_blank(lines[i])) continue;
     auto cells = cells_of(lines[i], separator_);
     while (cells.size() > columns_.size() && cells.back().empty()) cells.pop_back();
-    if (cells.size() != columns_.size()) {
+    if (cells.size() > columns_.size()) {
       const char* hint = separator_ == ',' && cells.size() == 2 * columns_.size() ? "; are these decimal commas? Numbers need decimal points" : "";
       throw InputError(fmt::format("{}: line {}: {} values, the header has {} columns ({}){}", file_, i + 1, cells.size(), columns_.size(), shortened(joined(columns_)), hint));
     }
+    cells.resize(columns_.size());
     cells_.insert(cells_.end(), std::make_move_iterator(cells.begin()), std::make_move_iterator(cells.end()));
     lines_.push_back(static_cast<int>(i) + 1);
   }
@@ -94,6 +92,7 @@ CsvTable::CsvTable(const std::filesystem::path& file, std::string_view expected)
 std::optional<std::size_t> CsvTable::find(std::string_view name) const {
   const auto found = std::find(columns_.begin(), columns_.end(), name);
   if (found == columns_.end()) return std::nullopt;
+  if (std::find(found + 1, columns_.end(), name) != columns_.end()) throw InputError(fmt::format("{}: column '{}' is there twice; expected {}", file_, shortened(name), expected_));
   return static_cast<std::size_t>(found - columns_.begin());
 }
 

@@ -11,18 +11,19 @@
 
 namespace mv {
 
-/// A CSV file: a header line of column names, then rows with as many cells. Commas, semicolons or tabs between cells (the header tells which), any line ends (LF, CR LF,
+/// A CSV file: a header line of column names, then rows with as many cells; those that a row lacks are empty. Commas, semicolons or tabs between cells (the header tells which), any line ends (LF, CR LF,
 /// CR), quotes around cells, a byte order mark and empty lines are taken. Numbers have decimal points.
 class CsvTable {
  public:
-  /// `expected`: the header as errors name it, e.g. "x_mm,y_mm,z_mm". Throws IoError when unreadable or a directory, InputError when empty, no text, a column is named
-  /// twice, or a row has another number of cells than the header.
+  /// `expected`: the header as errors name it, e.g. "x_mm,y_mm,z_mm". Throws IoError when unreadable or a directory, InputError when empty, no text, or a row has more cells than
+  /// the header that are not empty.
   CsvTable(const std::filesystem::path& file, std::string_view expected);
 
   std::size_t rows() const { return lines_.size(); }
   const std::vector<std::string>& columns() const { return columns_; }
+  /// Throws InputError when the column is there twice.
   std::optional<std::size_t> find(std::string_view name) const;
-  /// Throws InputError when there is none.
+  /// Throws InputError when there is none, or two.
   std::size_t column(std::string_view name) const;
 
   const std::string& text(std::size_t row, std::size_t column) const { return cells_[row * columns_.size() + column]; }

@@ -25,12 +25,15 @@ namespace {
 
 std::mutex list;
 std::set<pid_t> running;
+bool may_start = true;
 
-/// A child that end_running_programs knows, until it has been waited for.
+/// A child that end_running_programs knows from its start until it has been waited for.
 class Listed {
  public:
-  explicit Listed(pid_t child) : child_(child) {
+  Listed(const std::filesystem::path& program, const std::vector<std::string>& arguments, const std::filesystem::path& log) {
     const std::lock_guard lock(list);
+    if (!may_start) throw Error(ExitCode::interrupted, program.string() + ": not started, the run was interrupted");
+    child_ = start_program(program, arguments, log);
     running.insert(child_);
   }
   ~Listed() {
@@ -39,15 +42,17 @@ class Listed {
   }
   Listed(const Listed&) = delete;
   Listed& operator=(const Listed&) = delete;
+  pid_t child() const { return child_; }
 
  private:
-  pid_t child_;
+  pid_t child_ = 0;
 };
 
 }  // namespace
 
 void end_running_programs() {
   const std::lock_guard lock(list);
+  may_start = false;
   for (const pid_t child : running) kill(child, SIGTERM);
 }
 
@@ -86,8 +91,8 @@ pid_t start_program(const std::filesystem::path& program, const std::vector<std:
 }
 
 int run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments, const std::filesystem::path& log, double seconds) {
-  const pid_t child = start_program(program, arguments, log);
-  const Listed listed(child);
+  const Listed listed(program, arguments, log);
+  const pid_t child = listed.child();
   const std::string name = program.string();
   const auto start = std::chrono::steady_clock::now();
   bool is_killed = false;

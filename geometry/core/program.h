@@ -18,11 +18,12 @@ std::filesystem::path find_program(const std::string& name);
 pid_t start_program(const std::filesystem::path& program, const std::vector<std::string>& arguments, const std::filesystem::path& log);
 
 /// Runs a program without a shell, waits for it and returns its exit code, or 128 plus the signal that ended it. Its standard output and error go to `log`, its standard input is
-/// empty. After `seconds` (0: never) it is killed and the result is `timed_out`. Throws IoError when it cannot be started.
+/// empty. After `seconds` (0: never) it is killed and the result is `timed_out`. Throws IoError when it cannot be started,
+/// Error (interrupted) after end_running_programs.
 int run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments, const std::filesystem::path& log, double seconds = 0);
 inline constexpr int timed_out = -1;
 
-/// Sends SIGTERM to what run_program is waiting for, from any thread.
+/// Sends SIGTERM to what run_program is waiting for, from any thread; from then on it starts nothing.
 void end_running_programs();
 
 }  // namespace mv

@@ -24,8 +24,8 @@ constexpr double same_place = 1e-6;  // mm, of a surface point before and after
 
 struct WorkDirectory {
   fs::path path;
-  WorkDirectory() {
-    std::string name = (fs::temp_directory_path() / "mv_fill_XXXXXX").string();
+  explicit WorkDirectory(const fs::path& parent) {
+    std::string name = (parent / "mv_fill_XXXXXX").string();
     if (!mkdtemp(name.data())) throw IoError(name + ": cannot be made");
     path = name;
   }
@@ -78,8 +78,8 @@ class Numbers {
   std::string name_;
 };
 
-TetFill by_tetgen(const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& triangles, double volume, double seconds) {
-  const WorkDirectory work;
+TetFill by_tetgen(const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& triangles, double volume, double seconds, const fs::path& directory) {
+  const WorkDirectory work(directory);
   std::string text = fmt::format("{} 3 0 0\n", points.size());
   for (std::size_t i = 0; i < points.size(); ++i) text += fmt::format("{} {:.17g} {:.17g} {:.17g}\n", i, points[i].x(), points[i].y(), points[i].z());
   text += fmt::format("{} 0\n", triangles.size());
@@ -110,8 +110,8 @@ TetFill by_tetgen(const std::vector<Vec3>& points, const std::vector<std::array<
   return fill;
 }
 
-TetFill by_gmsh(const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& triangles, double volume, double seconds) {
-  const WorkDirectory work;
+TetFill by_gmsh(const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& triangles, double volume, double seconds, const fs::path& directory) {
+  const WorkDirectory work(directory);
   std::string text = fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n", points.size());
   for (std::size_t i = 0; i < points.size(); ++i) text += fmt::format("{} {:.17g} {:.17g} {:.17g}\n", i + 1, points[i].x(), points[i].y(), points[i].z());
   text += fmt::format("$EndNodes\n$Elements\n{}\n", triangles.size());
@@ -163,8 +163,8 @@ TetFill by_gmsh(const std::vector<Vec3>& points, const std::vector<std::array<in
 
 std::string_view to_string(TetMesher mesher) { return mesher == TetMesher::tetgen ? "TetGen" : "gmsh"; }
 
-TetFill fill_surface(TetMesher mesher, const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& triangles, double volume, double seconds) {
-  TetFill fill = mesher == TetMesher::tetgen ? by_tetgen(points, triangles, volume, seconds) : by_gmsh(points, triangles, volume, seconds);
+TetFill fill_surface(TetMesher mesher, const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& triangles, double volume, double seconds, const fs::path& directory) {
+  TetFill fill = mesher == TetMesher::tetgen ? by_tetgen(points, triangles, volume, seconds, directory) : by_gmsh(points, triangles, volume, seconds, directory);
   const std::string name(to_string(mesher));
   if (fill.tets.empty()) throw InputError(name + ": made no tetrahedra");
   if (fill.points.size() < points.size()) throw InputError(name + ": points of the surface are missing");

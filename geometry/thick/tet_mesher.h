@@ -4,6 +4,7 @@
 // Closed surfaces filled with tetrahedra by TetGen and by gmsh. Both run as programs on files: their libraries export the same symbols, and TetGen's licence asks for that distance.
 
 #include <array>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,8 +22,8 @@ struct TetFill {
   std::vector<std::array<int, 4>> tets;   // positive volume
 };
 
-/// Fills a closed, oriented surface (mm) without moving or adding a point on it. `volume`: largest of a tetrahedron (mm3), asked for. Works in a directory of its own below the system's for
-/// temporary files. Throws IoError when the program is not installed (with the name of its package), InputError when it fails, takes longer than `seconds`, or changes the surface.
-TetFill fill_surface(TetMesher mesher, const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& triangles, double volume, double seconds);
+/// Fills a closed, oriented surface (mm) without moving or adding a point on it. `volume`: largest of a tetrahedron (mm3), asked for. Works in a directory of its own below `directory`. Throws IoError when the program is not installed (with the name of its package), InputError when it fails, takes longer than `seconds`, or changes the surface.
+TetFill fill_surface(TetMesher mesher, const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& triangles, double volume, double seconds,
+                     const std::filesystem::path& directory = std::filesystem::temp_directory_path());
 
 }  // namespace mv

@@ -143,7 +143,7 @@ LeafletMesh fill_leaflets(const MidSurface& surface, const SolidSurface& measure
     std::optional<TetTrial> own;  // the mesher's best
     for (const double share : volume_shares) {
       try {
-        TetFill fill = fill_surface(mesher, boundary.points, boundary.triangles, share * volume, o.seconds);
+        TetFill fill = fill_surface(mesher, boundary.points, boundary.triangles, share * volume, o.seconds, o.directory);
         split_long_steps(fill, boundary.points.size(), boundary.triangles, long_step * o.spacing);
         relocate_points(fill, boundary.on_annulus, o.dihedral_limit + angle_reserve);
         const TetTrial trial = judge(mesher, fill, o.dihedral_limit, long_step * o.spacing);
@@ -156,6 +156,7 @@ LeafletMesh fill_leaflets(const MidSurface& surface, const SolidSurface& measure
         }
         if (trial.below_limit == 0 && static_cast<double>(trial.too_long) <= long_share * static_cast<double>(trial.tets)) break;
       } catch (const Error& e) {
+        if (e.code() == ExitCode::interrupted) throw;
         is_any_installed = is_any_installed || e.code() != ExitCode::io;
         if (!own) own = TetTrial{mesher, 0, 0, 0, 0, 0, 0, e.what()};
         if (e.code() == ExitCode::io) break;

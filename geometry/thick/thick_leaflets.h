@@ -3,6 +3,7 @@
 
 // The thick path: leaflets as they were measured, faces included, filled with tetrahedra without layers. The mid-surface still tells what is what: annulus, free edge, faces, pattern, leaflets.
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,7 @@ struct ThickOptions {
   double dihedral_limit = 10;  // degrees
   double seconds = 180;        // for each mesher
   std::vector<TetMesher> meshers{TetMesher::tetgen, TetMesher::gmsh};
+  std::filesystem::path directory = std::filesystem::temp_directory_path();  // for the meshers' files, which are removed
 };
 
 /// The boundary of thicken(surface) is moved on to `measured` (move_to_faces) and filled by each mesher; with tetrahedra of several sizes until no angle is below the limit and no step too long,

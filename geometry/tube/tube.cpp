@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "geometry/core/errors.h"
+#include "geometry/core/tube_ends.h"
 #include "geometry/tube/outline.h"
 
 namespace mv {
@@ -18,8 +19,6 @@ namespace {
 using std::numbers::pi;
 
 constexpr int outline_samples = 360;
-/// The tips stay this many fluid cells away from the ventricular end, where the pressure is prescribed.
-constexpr double tip_distance_cells = 2;
 /// Size of the O-grid's central block relative to the outline, and how far its sides bulge from straight towards the outline's
 /// shape.
 constexpr double core_share = 0.55, core_bulge = 0.45;
@@ -188,8 +187,8 @@ Tube build_tube(const Annulus& annulus, const TubeOptions& options, TubeReport* 
     local.gap_max = std::max(local.gap_max, gap);
   }
 
-  const double needed_ventricle = std::max(options.length_ventricle, -lowest + tip_distance_cells * h);
-  const double needed_atrium = std::max(options.length_atrium, highest + tip_distance_cells * h);
+  const double needed_ventricle = std::max(options.length_ventricle, -lowest + tube_end_cells * h);
+  const double needed_atrium = std::max(options.length_atrium, highest + tube_end_cells * h);
   tube.z_ventricle = -h * std::ceil(needed_ventricle / h - 1e-9);
   tube.z_atrium = h * std::ceil(needed_atrium / h - 1e-9);
   local.lengthened_ventricle = -tube.z_ventricle - options.length_ventricle;

@@ -235,9 +235,9 @@ void ChordaeSeriesWriter::append(double time, std::span<const double> tensions) 
   csv_.append(values_);
 }
 
-bool CsvTable::has(std::string_view column) const { return std::find(columns.begin(), columns.end(), column) != columns.end(); }
+bool SeriesTable::has(std::string_view column) const { return std::find(columns.begin(), columns.end(), column) != columns.end(); }
 
-std::vector<std::string> CsvTable::texts(std::string_view column) const {
+std::vector<std::string> SeriesTable::texts(std::string_view column) const {
   std::vector<std::string> out(rows.size());
   const auto at = std::find(columns.begin(), columns.end(), column);
   if (at == columns.end()) return out;
@@ -246,15 +246,15 @@ std::vector<std::string> CsvTable::texts(std::string_view column) const {
   return out;
 }
 
-std::vector<double> CsvTable::numbers(std::string_view column) const {
+std::vector<double> SeriesTable::numbers(std::string_view column) const {
   std::vector<double> out;
   for (const std::string& cell : texts(column)) out.push_back(to_number(cell));
   return out;
 }
 
-CsvTable read_csv(const fs::path& file) {
+SeriesTable read_csv(const fs::path& file) {
   const std::string text = read_file(file);
-  CsvTable table;
+  SeriesTable table;
   for (std::string_view line : complete_lines(text)) {
     if (table.columns.empty()) {
       table.columns = split(line);

@@ -111,7 +111,7 @@ class ChordaeSeriesWriter {
 std::vector<std::string> chordae_columns(const Chordae& chordae);
 
 /// A CSV file as columns of text and numbers (empty or unreadable cells are NaN).
-struct CsvTable {
+struct SeriesTable {
   std::vector<std::string> columns;
   std::vector<std::vector<std::string>> rows;
 
@@ -121,6 +121,6 @@ struct CsvTable {
 };
 
 /// Incomplete last lines are left out. Throws IoError when missing, InputError when rows differ in length.
-CsvTable read_csv(const std::filesystem::path& file);
+SeriesTable read_csv(const std::filesystem::path& file);
 
 }  // namespace mv

@@ -63,7 +63,7 @@ bool parse_chorda(const std::string& column, ChordaName& name) {
 /// Two drawn kinds: those that end at the border, and those inside.
 std::string group_of(const std::string& kind) { return kind == "primary" || kind == "marginal" ? "primary" : "secondary"; }
 
-Json chordae_data(const CsvTable& table, const Json& muscles) {
+Json chordae_data(const SeriesTable& table, const Json& muscles) {
   const std::vector<double> time = table.numbers("time_s");
   struct Group {
     std::vector<double> sum, lowest, highest;

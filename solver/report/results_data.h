@@ -18,7 +18,7 @@ namespace mv {
 struct ResultsData {
   Json summary, run, quality, manifest;
   std::string case_toml;
-  std::optional<CsvTable> series, chordae;
+  std::optional<SeriesTable> series, chordae;
   ValveFrames frames;
   std::optional<ContactMap> map;
 };

@@ -41,7 +41,7 @@ double mean_from(const std::vector<double>& time, const std::vector<double>& col
 }
 
 void read_series(const fs::path& results, double window, std::vector<double>& values) {
-  const CsvTable table = read_csv(results / "series.csv");
+  const SeriesTable table = read_csv(results / "series.csv");
   const std::vector<double> time = table.numbers("time_s");
   if (time.empty()) return;
   const double from = time.back() - window - 1e-9;

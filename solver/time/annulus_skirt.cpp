@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "geometry/core/errors.h"
+#include "geometry/core/tube_ends.h"
 
 namespace mv {
 namespace {
@@ -14,7 +15,6 @@ namespace {
 constexpr double metres_per_mm = 1e-3;
 constexpr double row_step = 0.5;       // fluid cells, between rows and along them
 constexpr double outside_allowed = 0.5;  // fluid cells, beyond what lies outside at rest
-constexpr double end_cells = 3;        // fluid cells between leaflets and the ends of the tube
 
 Vec3 to_tube(const Tube& tube, const Vec3& p) { return metres_per_mm * (tube.axes * (p - tube.origin)); }
 
@@ -31,7 +31,7 @@ std::vector<Vec3> resampled(const std::vector<Vec3>& curve, double step) {
 
 void check_room(const Scene& scene, const AnnulusMotion& motion, const std::string& file) {
   const Tube& tube = scene.tube;
-  const double cell = metres_per_mm * tube.grid_spacing;
+  const double cell = metres_per_mm * tube.grid_spacing, room = tube_end_cells_needed * cell;
   double lowest = 1e300, highest = -1e300;
   for (const Vec3& p : scene.mesh.points) {
     const double z = to_tube(tube, p).z();
@@ -46,9 +46,10 @@ void check_room(const Scene& scene, const AnnulusMotion& motion, const std::stri
                                      "raise tube.clearance",
                                      file, time, 1e3 * outside));
       const double shift = moved.z() - rest.z();
-      if (lowest + shift < metres_per_mm * tube.z_ventricle + end_cells * cell || highest + shift > metres_per_mm * tube.z_atrium - end_cells * cell)
+      const bool is_too_low = lowest + shift < metres_per_mm * tube.z_ventricle + room, is_too_high = highest + shift > metres_per_mm * tube.z_atrium - room;
+      if (is_too_low || is_too_high)
         throw InputError(fmt::format("{}: at {:.4g} s the annulus has moved {:.2f} mm along the tube and the leaflets would leave it; raise tube.length_{}", file, time, 1e3 * shift,
-                                     shift < 0 ? "ventricle" : "atrium"));
+                                     is_too_low ? "ventricle" : "atrium"));
     }
 }
 

@@ -11,6 +11,7 @@
 #include "geometry/core/errors.h"
 #include "geometry/core/leaflet_names.h"
 #include "geometry/core/log.h"
+#include "geometry/core/tube_ends.h"
 #include "solver/contact/intersection.h"
 #include "solver/output/contact_map.h"
 #include "solver/time/structure.h"
@@ -26,8 +27,6 @@ constexpr double pressure_allowed = 500 * pascal_per_mmHg;   // as pressure.peak
 constexpr double steps_allowed = 5e7;                        // some days of the coarsest valve
 // Bytes a run holds: what the arrays add up to roughly, on the low side (not measured), since refusing must be certain.
 constexpr double bytes_per_cell = 400, bytes_per_tet = 400;
-// Points must stay this many cells inside the open ends, where kernels need support.
-constexpr double end_cells = 2.0;
 // Without chordae leaflets turn inside out and stretch towards the atrium; held ones bulge, and what lies off the nearest chorda flails.
 constexpr double reach_without_chordae = 1.1, reach_with_chordae = 0.25;
 // Tissue in blood keeps its volume as far as its volumetric stiffness exceeds the pressure: on a grid of 3 mm 2 MPa at 16 kPa drifts by about 1 %, 75 kPa by 23 %.
@@ -160,7 +159,7 @@ double longest_flail(const Scene& scene) {
 void check_room(const Scene& scene) {
   if (!scene.has_fluid()) return;
   const Tube& tube = scene.tube;
-  const double margin = end_cells * tube.grid_spacing;
+  const double margin = tube_end_cells_needed * tube.grid_spacing;
   long outside = 0;
   std::size_t first = 0;
   double annulus_top = -1e300, length = 0;

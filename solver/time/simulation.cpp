@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -369,8 +370,15 @@ void Simulation::hold_annulus() {
   is_hold_active_.assign(count, 1);
   place_hold(0, hold_place_);
   held_count_ = coupling_->set_held(hold_place_, static_cast<int>(skirt_->points()));
-  constexpr double any_step = 1;  // s: only the places matter
+  constexpr double any_step = 1;        // s: only the places matter ...
+  constexpr double moved_cells = 0.25;  // ... that differ
+  const double moved = moved_cells * metres_per_mm * scene_.tube.grid_spacing;
+  std::vector<double> taken;
+  // Rows after time.end count, too: a run that goes on to a later end must not differ from one in one piece.
   for (const double time : motion->table().times()) {
+    place_hold(time, hold_place_);
+    if (!taken.empty() && std::equal(taken.begin(), taken.end(), hold_place_.begin(), [&](double a, double b) { return std::abs(a - b) < moved; })) continue;
+    taken = hold_place_;
     carry_hold(time, any_step);
     coupling_->allow_for_held_mobility();
   }

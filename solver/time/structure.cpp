@@ -21,7 +21,6 @@ constexpr double metres_per_mm = 1e-3;
 constexpr double range_share = 0.5;
 // The isotropic law stiffens by the whole strain and not along one direction: its exponents grow to 5 in a loaded valve, where fibres stay below 4.
 constexpr double isotropic_exponent_limit = 10;
-// The annulus' nodes lie on both faces of the leaflet; this far from the moving curve a file belongs to something else.
 // 1/s, without blood: brings motion to rest within a beat when there is no pressure to speak of.
 constexpr double damping_rate_least = 300;
 

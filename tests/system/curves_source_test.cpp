@@ -217,6 +217,15 @@ TEST(CurvesSource, broken_slices) {
   }
   {
     const TemporaryDirectory dir;
+    std::vector<std::uint8_t> copied;
+    write_stack(dir, true, [&](std::size_t k, mv::Slice& s) {
+      if (k == 4) copied = s.parts;
+      if (k > 4 && k < 8) s.parts = copied;
+    });
+    expect(run(dir, "slices = \"png\"\n"), 0, "slices 5 to 8 hold the same leaflets to the last pixel: was the stack resampled?");
+  }
+  {
+    const TemporaryDirectory dir;
     write_stack(dir, true);
     std::ofstream(dir / "png/s3.png") << "no picture";
     expect(run(dir, "slices = \"png\"\n"), 4, "s3.png");

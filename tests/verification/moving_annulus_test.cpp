@@ -28,6 +28,7 @@ struct Disc {
 struct Seen {
   double passed = 0;     // m3 through the tube during the motion
   double rate = 0;       // m3/s at its end
+  double work = 0;       // J, of what carries the disc (HoldWork::by_motion)
   double energy_error = 0;  // of the budget of hold and pressure, over what both moved to and fro
 };
 
@@ -82,8 +83,10 @@ Seen move(const Disc& disc) {
     for (std::size_t a = 0; a < x.size(); ++a) velocity[a] = (next[a] - x[a]) / dt;
     coupling.carry_held(x, velocity, is_active);
     force.set_zero();
-    const double held = coupling.hold(holding, state.velocity, dt, force).on_blood;
+    const auto work = coupling.hold(holding, state.velocity, dt, force);
+    const double held = work.on_blood;
     hold_work += held;
+    seen.work += work.by_motion;
     const FlowStepReport report = fluid.advance(state, force, dt, {{{0, 0}, {0, 0}, {disc.pressure, 0}}});
     pressure_work += report.pressure_work + report.boundary_kinetic;
     turnover += std::abs(held) + std::abs(report.pressure_work);
@@ -109,10 +112,12 @@ TEST(MovingAnnulus, a_disc_pushes_the_blood_that_it_sweeps) {
     for (const double lift : {-4e-3, 4e-3}) {
       const Seen seen = move({.lift = lift, .pressure = pressure});
       const double swept = tube_area() * lift;
-      std::printf("full disc, %5.0f Pa, lift %+.0f mm: passed %+.4f ml, swept %+.4f ml, rate at the end %+.3f ml/s, energy budget open by %.1e\n", pressure, 1e3 * lift, 1e6 * seen.passed, 1e6 * swept,
-                  1e6 * seen.rate, seen.energy_error);
+      std::printf("full disc, %5.0f Pa, lift %+.0f mm: passed %+.4f ml, swept %+.4f ml, rate at the end %+.3f ml/s, work %+.2f mJ of %+.2f mJ, energy budget open by %.1e\n", pressure, 1e3 * lift, 1e6 * seen.passed, 1e6 * swept,
+                  1e6 * seen.rate, 1e3 * seen.work, -1e3 * pressure * swept, seen.energy_error);
       EXPECT_NEAR(seen.passed, swept, 0.02 * std::abs(swept));
       EXPECT_LT(seen.energy_error, 0.02);
+      // The disc is moved against the pressure, or braked; starting and stopping the blood gives back what it takes, but for the losses.
+      EXPECT_NEAR(seen.work, -pressure * swept, 0.05 * 16e3 * std::abs(swept));
     }
 }
 

@@ -59,6 +59,23 @@ TEST(AnnulusCheck, real_shapes_pass_without_a_word) {
   EXPECT_TRUE(mv::check_annulus_curve(kidney, "a.csv").empty());
 }
 
+TEST(AnnulusCheck, small_loops_of_noise_pass_without_smoothing) {
+  EXPECT_TRUE(mv::check_annulus_curve(annulus(450, 1, 0.1), "a.csv", 0).empty());
+  std::vector<Vec3> half = annulus(450, 1, 0.1);
+  std::reverse(half.begin() + 225, half.end());
+  EXPECT_THROW(mv::check_annulus_curve(half, "a.csv", 0), mv::InputError);
+}
+
+TEST(AnnulusCheck, dense_points_on_one_part_do_not_move_the_middle_out_of_the_curve) {
+  std::vector<Vec3> kidney;  // its horns, where the points are, lie on a line outside
+  for (double a = -pi, step = 0; a < pi; a += step) {
+    const double r = 22 - 12 * std::exp(-8 * a * a);
+    kidney.emplace_back(r * std::cos(a), r * std::sin(a), 0);
+    step = std::abs(std::abs(a) - 0.75) < 0.2 ? 4e-4 : 0.016;
+  }
+  EXPECT_NO_THROW(mv::check_annulus_curve(kidney, "a.csv"));
+}
+
 TEST(AnnulusCheck, sizes_of_other_units_are_named) {
   EXPECT_NAMES(fault(annulus(100, 1e-3)), "metres instead of millimetres");
   EXPECT_NAMES(fault(annulus(100, 1e3)), "micrometres instead of millimetres");

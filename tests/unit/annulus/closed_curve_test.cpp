@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
 
 #include "geometry/core/errors.h"
 
@@ -33,6 +34,23 @@ TEST(ClosedCurve, duplicates_repeated_end_and_spikes_are_removed_in_order) {
   EXPECT_EQ(report.spikes_removed, 1);
   ASSERT_EQ(result.size(), clean.size());
   for (std::size_t i = 0; i < clean.size(); ++i) EXPECT_LT((result[i] - clean[i]).norm(), 1e-12);
+}
+
+TEST(ClosedCurve, dense_noisy_points_are_in_order_and_shuffled_ones_are_not) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 0.1);
+  std::vector<Vec3> points;
+  for (int i = 0; i < 3000; ++i) points.push_back({19 * std::cos(2 * pi * i / 3000) + noise(random), 15 * std::sin(2 * pi * i / 3000) + noise(random), noise(random)});
+  mv::CurveReport report;
+  const std::vector<Vec3> smooth = mv::smooth_closed_curve(mv::clean_closed_curve(points, &report), 8, 360);
+  for (const Vec3& p : smooth) EXPECT_NEAR(std::hypot(p.x() / 19, p.y() / 15), 1, 0.02);
+  std::vector<Vec3> halves;  // one half of the turn and the other, point by point
+  for (std::size_t i = 0; i < 1500; ++i) halves.insert(halves.end(), {points[i], points[i + 1500]});
+  EXPECT_THROW(mv::clean_closed_curve(halves), mv::InputError);
+  for (int trial = 0; trial < 10; ++trial) {
+    std::shuffle(points.begin(), points.end(), random);
+    EXPECT_THROW(mv::clean_closed_curve(points), mv::InputError);
+  }
 }
 
 TEST(ClosedCurve, too_few_points_and_non_finite_points_are_refused) {

@@ -118,7 +118,7 @@ TEST_F(ChordaeFile, bad_files_are_named_with_line_and_reason) {
   const std::vector<std::array<std::string, 3>> bad = {
       {"nan.csv", "x0,y0,z0,x1,y1,z1\n0,0,nan,1,0,0\n", "line 2"},
       {"word.csv", "x0,y0,z0,x1,y1,z1\n0,0,a,1,0,0\n", "'a' is not a finite number"},
-      {"short.csv", "x0,y0,z0,x1,y1,z1\n0,0,0,1,0\n", "line 2: 5 values"},
+      {"short.csv", "x0,y0,z0,x1,y1,z1\n0,0,0,1,0\n", "line 2: z1: '' is not a finite number"},
       {"head.csv", "x,y,z\n0,0,0\n", "column 'x0'"},
       {"unit.csv", "x0_furlong,y0,z0,x1,y1,z1\n0,0,0,1,0,0\n", "furlong"},
       {"kind.csv", "x0,y0,z0,x1,y1,z1,kind\n0,0,0,1,0,0,rope\n", "rope"},

@@ -50,6 +50,16 @@ TEST(CsvTable, line_ends_separators_quotes_and_marks_of_many_programs) {
   EXPECT_TRUE(quoted.is_empty(0, 1));
 }
 
+TEST(CsvTable, what_nobody_reads_may_be_missing_or_there_twice) {
+  for (const char* text : {"a,b,note\n1,2\n3,4,late\n", "a,b,,\n1,2\n3,4,,,\n", "a,b,c,c\n1,2,3,4\n", "a,c,b,c\n1,2,3\n"}) EXPECT_EQ(complaint(text), "") << text;
+  const TemporaryDirectory dir;
+  const CsvTable t = table(dir, "a,b,note\n1,2\n3,4,late\n");
+  EXPECT_TRUE(t.is_empty(0, t.column("note")));
+  EXPECT_EQ(t.text(1, t.column("note")), "late");
+  EXPECT_EQ(complaint("a,b\n1,2,,\n"), "");
+  EXPECT_NAMES(complaint("a,b\n1,2,,3\n"), "line 2: 4 values, the header has 2 columns");
+}
+
 TEST(CsvTable, lines_are_counted_as_an_editor_does) {
   const TemporaryDirectory dir;
   const CsvTable t = table(dir, "a,b\r\n\r\n1,2\r\n3,4\r\n");
@@ -62,7 +72,7 @@ TEST(CsvTable, faults_name_file_line_and_column) {
   EXPECT_NAMES(complaint("\n \n,\n"), "is empty");
   EXPECT_NAMES(complaint("a,c\n1,2\n"), "column 'b' is missing (the header is 'a,c')");
   EXPECT_NAMES(complaint("a,b,a\n1,2,3\n"), "column 'a' is there twice");
-  EXPECT_NAMES(complaint("a,b\n1\n"), "line 2: 1 values, the header has 2 columns");
+  EXPECT_NAMES(complaint("a,b\n1\n"), "line 2: b: '' is not a finite number");
   EXPECT_NAMES(complaint("a,b\n1,2\n1,5,2,5\n"), "line 3: 4 values, the header has 2 columns (a,b); are these decimal commas?");
   EXPECT_NAMES(complaint("a;b\n1,5;2,5\n"), "line 2: a: '1,5' is not a finite number; numbers need decimal points");
   EXPECT_NAMES(complaint("a,b\n1,two\n"), "line 2: b: 'two' is not a finite number");

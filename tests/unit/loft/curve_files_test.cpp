@@ -65,7 +65,7 @@ TEST(CurveFiles, csv_defects_are_named_with_their_line) {
   EXPECT_NAMES(message_of("c.csv", "leaflet,curve,x,y,z\n"), "column 'x_mm'");
   EXPECT_NAMES(message_of("c.csv", "leaflet,curve,x_mm,y_mm,z_mm\nanterior,1,1,2,three\n"), "line 2: z_mm: 'three'");
   EXPECT_NAMES(message_of("c.csv", "leaflet,curve,x_mm,y_mm,z_mm\nanterior,1,1,2,nan\n"), "line 2: z_mm: 'nan'");
-  EXPECT_NAMES(message_of("c.csv", "leaflet,curve,x_mm,y_mm,z_mm\nanterior,1,1,2\n"), "4 values");
+  EXPECT_NAMES(message_of("c.csv", "leaflet,curve,x_mm,y_mm,z_mm\nanterior,1,1,2\n"), "line 2: z_mm: ''");
   EXPECT_NAMES(message_of("c.csv", "leaflet,curve,x_mm,y_mm,z_mm\nseptal,1,1,2,3\n"), "'septal'");
   EXPECT_NAMES(message_of("c.csv", "leaflet,curve,x_mm,y_mm,z_mm\n"), "no points");
   EXPECT_NAMES(message_of("c.csv", ""), "is empty");

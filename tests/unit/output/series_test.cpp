@@ -33,7 +33,7 @@ TEST_F(Series, numbers_read_back_exactly) {
   const std::vector<double> values{0.1, 1.0 / 3, 6.02214076e23, -2.2250738585072014e-308, 5e-324, 133.322387415, 0};
   CsvWriter csv(folder_ / "a.csv", {"time_s", "b", "c", "d", "e", "f", "g"});
   csv.append(values);
-  const CsvTable table = read_csv(folder_ / "a.csv");
+  const SeriesTable table = read_csv(folder_ / "a.csv");
   for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(table.numbers(table.columns[i])[0], values[i]);
 }
 
@@ -43,7 +43,7 @@ TEST_F(Series, what_a_scene_leaves_out_is_an_empty_cell) {
   row.time_s = 0.001;
   row.limiter = "contact";
   series.append(row);
-  const CsvTable table = read_csv(folder_ / "series.csv");
+  const SeriesTable table = read_csv(folder_ / "series.csv");
   EXPECT_EQ(table.columns, series_columns());
   EXPECT_EQ(table.texts("limiter")[0], "contact");
   EXPECT_EQ(table.texts("flow_ml_s")[0], "");

@@ -122,8 +122,13 @@ TEST(ThickLeaflets, the_better_of_two_meshes_is_kept) {
   options.spacing = 1.5;
   options.thickness = 1.6;
   options.dihedral_limit = 5;
+  const mv_test::TemporaryDirectory dir;
+  options.directory = dir / "work";
+  EXPECT_THROW(mv::fill_leaflets(valve(), measured(2.0), options), mv::IoError) << "the meshers' files belong there";
+  std::filesystem::create_directory(options.directory);
   mv::ThickReport report;
   const mv::LeafletMesh m = mv::fill_leaflets(valve(), measured(2.0), options, &report);
+  EXPECT_TRUE(std::filesystem::is_empty(options.directory));
   ASSERT_EQ(report.trials.size(), 2u);
   const mv::TetTrial &kept = report.trials[report.kept == report.trials[0].mesher ? 0 : 1], &other = report.trials[report.kept == report.trials[0].mesher ? 1 : 0];
   EXPECT_LE(kept.below_limit, other.below_limit);
@@ -227,6 +232,21 @@ TEST(Relocate, long_steps_are_split_inside_and_the_surface_is_kept) {
 TEST(Spacing, of_an_element_is_the_longest_step_between_its_corners) {
   EXPECT_DOUBLE_EQ(mv::spanning_step({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}), 1.0);
   EXPECT_DOUBLE_EQ(mv::spanning_step({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0.5, 0), Vec3(5, 0.5, 0)}), 3.0);
+}
+
+TEST(Program, none_starts_after_the_running_ones_were_ended) {
+  const mv_test::TemporaryDirectory dir;
+  const auto sh = mv::find_program("sh");
+  const auto interrupted = [&] {
+    mv::end_running_programs();
+    try {
+      mv::run_program(sh, {"-c", "exit 0"}, dir / "log");
+    } catch (const mv::Error& e) {
+      std::_Exit(static_cast<int>(e.code()));
+    }
+    std::_Exit(0);
+  };
+  EXPECT_EXIT(interrupted(), testing::ExitedWithCode(static_cast<int>(mv::ExitCode::interrupted)), "");
 }
 
 TEST(Program, runs_reports_its_code_and_is_killed_when_it_takes_too_long) {

@@ -86,8 +86,23 @@ TEST(AnnulusSkirt, motions_that_leave_the_tube_are_refused) {
   EXPECT_EQ(fault(0.8, 5), "");
   EXPECT_EQ(fault(1.05, 0), "") << "a quarter of a millimetre outside";
   EXPECT_NE(fault(1.2, 0).find("2.50 mm outside the wall"), std::string::npos) << fault(1.2, 0);
-  EXPECT_NE(fault(1, -18).find("raise tube.length_ventricle"), std::string::npos) << fault(1, -18);
-  EXPECT_NE(fault(1, 18).find("raise tube.length_atrium"), std::string::npos) << fault(1, 18);
+  EXPECT_NE(fault(1, -18.1).find("raise tube.length_ventricle"), std::string::npos) << fault(1, -18.1);
+  EXPECT_NE(fault(1, 18.1).find("raise tube.length_atrium"), std::string::npos) << fault(1, 18.1);
+}
+
+TEST(AnnulusSkirt, two_cells_at_the_ends_suffice) {
+  for (const double lift : {-18.0, -17.5, 17.5, 18.0}) EXPECT_EQ(fault(1, lift), "") << lift;
+}
+
+TEST(AnnulusSkirt, the_end_that_is_too_near_is_named) {
+  Scene s = scene();
+  s.tube.z_ventricle = -11;
+  try {
+    AnnulusSkirt(s, motion(s, 1, 5), "m.csv");
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("raise tube.length_ventricle"), std::string::npos) << e.what();
+  }
 }
 
 TEST(AnnulusSkirt, the_wall_is_found_in_every_direction) {

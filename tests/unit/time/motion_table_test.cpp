@@ -92,7 +92,7 @@ TEST(motion_table, faults_name_line_and_column) {
   } faults[] = {
       {"point,time,x_mm,y_mm,z_mm\n", "column 'time_s' is missing"},
       {head, "no rows"},
-      {head + "0,0,1,2\n", "line 2: 4 values"},
+      {head + "0,0,1,2\n", "line 2: z_mm: '' is not a finite number"},
       {head + "0,0,1,2,nan\n", "line 2: z_mm: 'nan' is not a finite number"},
       {head + "0.5,0,1,2,3\n", "point 0.5 is no number"},
       {head + "0,0,1,2,3\n", "point 0 has one row"},
