@@ -36,25 +36,25 @@ double signed_volume(const LeafletMesh& mesh, const std::array<int, 10>& tet) {
 template <class Accept>
 FaceTriangles collect_faces(const LeafletMesh& mesh, Accept&& accept) {
   struct Face {
-    int count = 0;
-    int element = 0;
-    int local = 0;
+    std::array<int, 3> key;
+    int element, local;
   };
-  std::map<std::array<int, 3>, Face> faces;
+  std::vector<Face> faces;
+  faces.reserve(4 * mesh.tets.size());
   for (std::size_t e = 0; e < mesh.tets.size(); ++e)
     for (int f = 0; f < 4; ++f) {
       std::array<int, 3> key;
       for (std::size_t k = 0; k < 3; ++k) key[k] = mesh.tets[e][static_cast<std::size_t>(face_corners[f][k])];
       if (!accept(key[0], key[1], key[2])) continue;
       std::sort(key.begin(), key.end());
-      Face& face = faces[key];
-      ++face.count;
-      face.element = static_cast<int>(e);
-      face.local = f;
+      faces.push_back({key, static_cast<int>(e), f});
     }
+  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.key < b.key; });
   FaceTriangles out;
-  for (const auto& [key, face] : faces) {
-    if (face.count != 1) continue;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const Face& face = faces[i];
+    const bool is_shared = (i > 0 && faces[i - 1].key == face.key) || (i + 1 < faces.size() && faces[i + 1].key == face.key);
+    if (is_shared) continue;
     const auto& tet = mesh.tets[static_cast<std::size_t>(face.element)];
     const bool is_inverted = signed_volume(mesh, tet) < 0;
     const auto add = [&](int a, int b, int c) {

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <map>
 
+#include "geometry/core/parallel.h"
 #include "solver/report/colours.h"
 #include "solver/report/png.h"
 #include "solver/report/stroke_font.h"
@@ -93,7 +94,7 @@ std::vector<Rgb> stress_colours(const LeafletsFrame& frame, double scale) {
 }
 
 /// The leaflets' boundary: atrial faces (with a coat of contact pressure when asked for) and the rest, as two meshes.
-std::array<ColouredMesh, 2> leaflet_surface(const LeafletsFrame& frame, Paint paint, double scale) {
+std::array<ColouredMesh, 2> leaflet_surface(const LeafletsFrame& frame, const FaceTriangles& boundary, Paint paint, double scale) {
   const LeafletMesh& mesh = frame.mesh;
   std::array<ColouredMesh, 2> parts;
   for (ColouredMesh& part : parts) {
@@ -105,7 +106,7 @@ std::array<ColouredMesh, 2> leaflet_surface(const LeafletsFrame& frame, Paint pa
       parts[0].coat.push_back(map_colour(viridis_stops, p / scale));
       parts[0].cover.push_back(p > 0 ? 1.0f : 0.0f);
     }
-  for (const auto& t : boundary_faces(mesh).triangles) {
+  for (const auto& t : boundary.triangles) {
     const bool is_atrial =
         std::all_of(t.begin(), t.end(), [&](int p) { return mesh.side[static_cast<std::size_t>(p)] == atrial; });
     parts[is_atrial ? 0 : 1].triangles.push_back(t);
@@ -222,6 +223,7 @@ Framing frame_points(const std::vector<Vec3>& points, const Vec3& right, const V
 
 struct Scene {
   const LeafletsFrame& leaflets;
+  const FaceTriangles& boundary;
   const ChordaeFrame* chordae;
   ValveAxes axes;
   Framing framing;
@@ -244,7 +246,7 @@ Image draw_view(const Scene& scene, View view, Paint paint, double scale) {
     else
       canvas.draw(part);
   };
-  for (const ColouredMesh& part : leaflet_surface(scene.leaflets, paint, scale)) draw(part);
+  for (const ColouredMesh& part : leaflet_surface(scene.leaflets, scene.boundary, paint, scale)) draw(part);
   draw(make_tube(annulus_line(mesh), annulus_radius, ink_colour, true));
   draw(make_tube(flagged_line(mesh, mesh.on_free_edge, atrial), edge_radius, ink_colour * 1.6f, true));
   if (scene.chordae != nullptr) draw(chordae_mesh(*scene.chordae));
@@ -310,27 +312,47 @@ std::vector<Picture> draw_valve(const ValveFrames& frames, double pressure_scale
   const Framing from_ventricle = frame_points(all, -axes.right, axes.front, axes.centre);
   const Framing side = frame_points(all, -axes.front, axes.up, axes.centre);
 
-  const auto add = [&](const LeafletsFrame& frame, const std::optional<ChordaeFrame>& chordae, const std::string& name,
-                       const std::string& what, Paint paint, double scale, View view) {
-    const Scene scene{frame, chordae ? &*chordae : nullptr, axes,
-                      view == View::atrium      ? from_atrium
-                      : view == View::ventricle ? from_ventricle
-                                                : side};
-    pictures.push_back(finished(name, what, draw_view(scene, view, paint, scale)));
+  const FaceTriangles open_boundary = boundary_faces(frames.open->mesh), closed_boundary = frames.closed ? boundary_faces(frames.closed->mesh) : FaceTriangles();
+  struct Wanted {
+    std::string name, what;
+    Scene scene;
+    View view;
+    Paint paint;
+    double scale;
   };
-  const auto three = [&](const LeafletsFrame& frame, const std::optional<ChordaeFrame>& chordae, const std::string& state) {
-    add(frame, chordae, state + "_atrial", "from the atrium", Paint::contact, pressure_scale, View::atrium);
-    add(frame, chordae, state + "_ventricular", "from the ventricle", Paint::contact, pressure_scale, View::ventricle);
-    add(frame, chordae, state + "_cut", "cut through the middle of both leaflets", Paint::contact, pressure_scale, View::cut);
+  std::vector<Wanted> wanted;
+  const auto add = [&](bool is_open, bool has_chordae, const std::string& name, const std::string& what, Paint paint, double scale, View view) {
+    const std::optional<ChordaeFrame>& chordae = is_open ? frames.open_chordae : frames.closed_chordae;
+    wanted.push_back({name, what,
+                      Scene{is_open ? *frames.open : *frames.closed, is_open ? open_boundary : closed_boundary, has_chordae && chordae ? &*chordae : nullptr, axes,
+                            view == View::atrium      ? from_atrium
+                            : view == View::ventricle ? from_ventricle
+                                                      : side},
+                      view, paint, scale});
   };
-  three(*frames.open, frames.open_chordae, "open");
+  const auto three = [&](bool is_open, const std::string& state) {
+    add(is_open, true, state + "_atrial", "from the atrium", Paint::contact, pressure_scale, View::atrium);
+    add(is_open, true, state + "_ventricular", "from the ventricle", Paint::contact, pressure_scale, View::ventricle);
+    add(is_open, true, state + "_cut", "cut through the middle of both leaflets", Paint::contact, pressure_scale, View::cut);
+  };
+  three(true, "open");
   if (frames.closed) {
-    three(*frames.closed, frames.closed_chordae, "closed");
+    three(false, "closed");
     if (stress_scale > 0) {
-      add(*frames.closed, std::nullopt, "stress_atrial", "from the atrium", Paint::stress, stress_scale, View::atrium);
-      add(*frames.closed, std::nullopt, "stress_ventricular", "from the ventricle", Paint::stress, stress_scale, View::ventricle);
+      add(false, false, "stress_atrial", "from the atrium", Paint::stress, stress_scale, View::atrium);
+      add(false, false, "stress_ventricular", "from the ventricle", Paint::stress, stress_scale, View::ventricle);
     }
   }
+  pictures.resize(wanted.size());
+  parallel_pieces(
+      static_cast<std::ptrdiff_t>(wanted.size()), 1,
+      [&](std::ptrdiff_t begin, std::ptrdiff_t end, int) {
+        for (std::ptrdiff_t k = begin; k < end; ++k) {
+          const Wanted& w = wanted[static_cast<std::size_t>(k)];
+          pictures[static_cast<std::size_t>(k)] = finished(w.name, w.what, draw_view(w.scene, w.view, w.paint, w.scale));
+        }
+      },
+      2);
   return pictures;
 }
 

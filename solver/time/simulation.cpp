@@ -26,6 +26,7 @@ constexpr int estimate_every = 80, estimate_soon = 10, estimate_at_once = 5;
 constexpr double quick_stiffening = 1.03;  // growth of the frequency from one estimate to the next
 // Growth of the energy of tissue or contact since the last estimate. Contact counts from a share of the tissue's energy on.
 constexpr double slow_loading = 1.03, quick_loading = 1.05, sudden_loading = 1.2, contact_share = 0.01;
+constexpr double most_room = 4;            // of the growth above, where the step is far from its limit
 constexpr double room_to_stiffen = 0.7;    // share of the step that is used while it stiffens quickly
 constexpr int estimate_products = 3;
 // Of the power iteration for the elements' own critical steps: relaxation keeps a ninth of its limit, so that a few per cent do not matter.
@@ -52,10 +53,16 @@ double swept_volume_of(const std::vector<std::array<int, 3>>& faces, const std::
   });
 }
 
-/// Whether tissue or contact hold `growth` times the energy they held at the last estimate: what is stretched further, or pressed harder, is stiffer.
-bool is_loaded(const State& state, double growth) {
-  return state.elastic_energy > growth * state.energy_at_estimate ||
+/// Whether tissue or contact hold `growth` times (tissue: as many times `room`) the energy they held at the last estimate: what is stretched further, or pressed harder, is stiffer.
+bool is_loaded(const State& state, double growth, double room) {
+  return state.elastic_energy > growth * room * state.energy_at_estimate ||
          state.contact_energy > growth * state.contact_at_estimate + contact_share * state.elastic_energy;
+}
+
+/// How many times as stiff the tissue may become before a step of `largest` (s) leaves less than `safety` asks for.
+double room_to_load(const State& state, double safety, double largest) {
+  const double ratio = state.frequency > 0 ? safety * 2.0 / (state.frequency * largest) : 0.0;
+  return std::clamp(ratio * ratio, 1.0, most_room);
 }
 
 /// Blood (m3) that chordae or leaflets may stir before they close: a small share of the annulus' area times its root.
@@ -138,11 +145,13 @@ State Simulation::initial_state() {
 double Simulation::choose_step(State& state, double stop_time, std::string& limiter) {
   const Config& config = scene_.config;
   const auto start = Clock::now();
-  const bool is_estimated = state.step >= state.next_estimate || (state.step >= state.last_estimate + estimate_soon && is_loaded(state, quick_loading)) ||
-                            (state.step >= state.last_estimate + estimate_at_once && is_loaded(state, sudden_loading));
+  const double largest_step = std::max(config.number("time.step_max"), config.is_auto("time.step_fixed") ? 0.0 : config.number("time.step_fixed"));
+  const double room = room_to_load(state, config.number("time.safety"), largest_step);
+  const bool is_estimated = state.step >= state.next_estimate || (state.step >= state.last_estimate + estimate_soon && is_loaded(state, quick_loading, room)) ||
+                            (state.step >= state.last_estimate + estimate_at_once && is_loaded(state, sudden_loading, room));
   if (is_estimated) {
     const double before = state.frequency;
-    const bool is_probed = is_loaded(state, slow_loading) || state.step < state.cap_until_step;
+    const bool is_probed = is_loaded(state, slow_loading, 1) || state.step < state.cap_until_step;
     // The tangent of contact belongs to these positions, also after a resume or a rollback.
     if (structure_->contact()) refresh(state);
     if (coupling_) coupling_->bind({state.x, state.v, structure_->is_fixed()});
@@ -153,7 +162,8 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
     state.last_estimate = state.step;
     state.energy_at_estimate = state.elastic_energy;
     state.contact_at_estimate = state.contact_energy;
-    const bool is_soon = state.step < state.cap_until_step || (before > 0 && state.frequency > quick_stiffening * before);
+    const bool has_room = room_to_load(state, config.number("time.safety"), largest_step) > 1;
+    const bool is_soon = state.step < state.cap_until_step || (before > 0 && state.frequency > quick_stiffening * before && !has_room);
     state.next_estimate = state.step + (is_soon ? estimate_soon : estimate_every);
     state.is_stiffening = is_soon;
   }
@@ -395,11 +405,30 @@ void Simulation::book_unseen_motion(State& state) {
 }
 
 double Simulation::largest_motion(const State& state, std::size_t count) const {
+  std::vector<double> largest(static_cast<std::size_t>(thread_count()), 0.0);
+  parallel_ranges(static_cast<std::ptrdiff_t>(count), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
+    // Four sums side by side; a NaN stays in `sum`, where max() would lose it.
+    constexpr std::ptrdiff_t side = 4;
+    double most[side] = {}, sum[side] = {};
+    std::ptrdiff_t a = begin;
+    for (; a + side <= end; a += side)
+      for (std::ptrdiff_t k = 0; k < side; ++k) {
+        const double move = std::abs(state.x[static_cast<std::size_t>(a + k)] - x_before_[static_cast<std::size_t>(a + k)]);
+        most[k] = move > most[k] ? move : most[k];
+        sum[k] += move;
+      }
+    for (; a < end; ++a) {
+      const double move = std::abs(state.x[static_cast<std::size_t>(a)] - x_before_[static_cast<std::size_t>(a)]);
+      most[0] = move > most[0] ? move : most[0];
+      sum[0] += move;
+    }
+    double& all = largest[static_cast<std::size_t>(thread)];
+    for (std::ptrdiff_t k = 0; k < side; ++k) all = std::isfinite(sum[k]) ? std::max(all, most[k]) : NAN;
+  });
   double moved = 0;
-  for (std::size_t a = 0; a < count; ++a) {
-    const double move = std::abs(state.x[a] - x_before_[a]);
-    if (!(move <= moved)) moved = move;
-    if (std::isnan(moved)) break;
+  for (double l : largest) {
+    if (std::isnan(l)) return NAN;
+    moved = std::max(moved, l);
   }
   return moved;
 }
@@ -468,12 +497,10 @@ std::string Simulation::failure(State& state, int outside) const {
                        scene_.mesh.layer[element], uv.x(), uv.y());
   }
   const double limit = largest_move * motion_scale();
-  double moved = 0;
-  for (std::size_t a = 0; a < state.x.size(); ++a) {
-    const double move = std::abs(state.x[a] - x_before_[a]);
-    if (!(move < limit)) return fmt::format("node {} moved {:.3g} mm in one step", a / 3, 1e3 * move);
-    moved = std::max(moved, move);
-  }
+  const double moved = largest_motion(state, state.x.size());
+  if (!(moved < limit))
+    for (std::size_t a = 0; a < state.x.size(); ++a)
+      if (const double move = std::abs(state.x[a] - x_before_[a]); !(move < limit)) return fmt::format("node {} moved {:.3g} mm in one step", a / 3, 1e3 * move);
   state.fastest = moved / state.dt;
   if (!std::isfinite(state.flow_rate)) return "the flow is not finite";
   return "";
