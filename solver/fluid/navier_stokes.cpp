@@ -115,6 +115,7 @@ void NavierStokes::impose_inflow(FaceField& velocity) const {
 void NavierStokes::apply_velocity_boundary(FaceField& velocity) const {
   const std::array<std::ptrdiff_t, 3> stride{1, grid_.stride_y(), grid_.stride_z()};
   for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (is_beyond_wall_[axis]) continue;  // nothing moves there, in the ghost layers neither
     const std::size_t a1 = axis == 0 ? 1 : 0, a2 = axis == 2 ? 1 : 2;  // a1 is the nearer in memory
     const int m1 = grid_.padded(static_cast<int>(a1)), m2 = grid_.padded(static_cast<int>(a2));
     const int n = grid_.n[axis];
