@@ -652,9 +652,14 @@ std::span<const Vec3> SelfContact::normal() const { return impl_->normal; }
 std::span<const int> SelfContact::partner() const { return impl_->partner; }
 std::span<const Vec3> SelfContact::nodal_force() const { return impl_->nodal_force; }
 
+void SelfContact::export_history(std::vector<double>& slip) const {
+  slip.resize(3 * impl_->slip.size());
+  parallel_for(static_cast<std::ptrdiff_t>(impl_->slip.size()), [&](std::ptrdiff_t n) { Eigen::Map<Vec3>(slip.data() + 3 * n) = impl_->slip[n]; });
+}
+
 std::vector<double> SelfContact::export_history() const {
-  std::vector<double> slip(3 * impl_->slip.size());
-  for (std::size_t n = 0; n < impl_->slip.size(); ++n) Eigen::Map<Vec3>(slip.data() + 3 * n) = impl_->slip[n];
+  std::vector<double> slip;
+  export_history(slip);
   return slip;
 }
 
@@ -662,12 +667,19 @@ void SelfContact::import_history(std::span<const double> slip) {
   if (slip.size() != 3 * impl_->slip.size())
     throw InputError("contact: friction history has " + std::to_string(slip.size()) + " numbers, expected " +
                      std::to_string(3 * impl_->slip.size()));
-  for (std::size_t n = 0; n < impl_->slip.size(); ++n) {
-    const Eigen::Map<const Vec3> now(slip.data() + 3 * n);
-    if (impl_->slip[n] == now) continue;
-    impl_->slip[n] = now;
-    impl_->has_new_history = true;  // a node with slip must be among the slaves
-  }
+  std::vector<char> is_new(static_cast<std::size_t>(thread_count()), 0);
+  parallel_ranges(static_cast<std::ptrdiff_t>(impl_->slip.size()), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
+    bool any = false;
+    for (std::ptrdiff_t n = begin; n < end; ++n) {
+      const Eigen::Map<const Vec3> now(slip.data() + 3 * n);
+      if (impl_->slip[n] == now) continue;
+      impl_->slip[n] = now;
+      any = true;
+    }
+    is_new[thread] = any;
+  });
+  // A node with slip must be among the slaves.
+  if (std::any_of(is_new.begin(), is_new.end(), [](char c) { return c != 0; })) impl_->has_new_history = true;
 }
 
 double SelfContact::tangent_stiffness(int node) const {

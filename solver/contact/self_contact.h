@@ -98,6 +98,7 @@ class SelfContact {
 
   /// Friction history: elastic slip (m), 3 per surface node. All of the state that influences later steps.
   std::vector<double> export_history() const;
+  void export_history(std::vector<double>& slip) const;  // reuses its memory
   void import_history(std::span<const double> slip);
 
   const ContactOptions& options() const;

@@ -141,8 +141,10 @@ void Transfer::spread_with(std::span<const double> forces, FaceField& force_dens
   auto plane_of_share = [&](std::ptrdiff_t share, std::ptrdiff_t teams) -> std::ptrdiff_t {
     if (share == 0) return -FluidGrid::ghosts;
     if (share == teams) return planes + FluidGrid::ghosts;
-    const auto it = std::lower_bound(slab_start_.begin(), slab_start_.end(), static_cast<int>(points * share / teams));
-    return it - slab_start_.begin();
+    const int wanted = static_cast<int>(points * share / teams);
+    const auto it = std::lower_bound(slab_start_.begin(), slab_start_.end(), wanted);
+    const bool is_earlier_nearer = it != slab_start_.begin() && wanted - *(it - 1) < *it - wanted;
+    return it - slab_start_.begin() - is_earlier_nearer;
   };
   const std::ptrdiff_t teams = points < serial_loop_limit ? 1 : thread_count();
   parallel_for(

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "geometry/core/errors.h"
+#include "geometry/core/parallel.h"
 #include "solver/fluid/tube_wall.h"
 
 namespace mv {
@@ -81,12 +82,19 @@ WallLimit::Nearest WallLimit::nearest(const Eigen::Vector2d& p) const {
 void WallLimit::apply(std::span<double> x) {
   moved_.clear();
   shifts_.clear();
-  for (std::size_t i = 0; i < allowed_.size(); ++i) {
-    if (std::isinf(allowed_[i])) continue;
+  is_beyond_.resize(allowed_.size());
+  parallel_for(static_cast<std::ptrdiff_t>(allowed_.size()), [&](std::ptrdiff_t n) {
+    const auto i = static_cast<std::size_t>(n);
+    is_beyond_[i] = 0;
+    if (std::isinf(allowed_[i])) return;
     const Eigen::Vector2d p(x[3 * i], x[3 * i + 1]);
-    if (const std::ptrdiff_t cell = cell_of(p); cell >= 0 && edges_[static_cast<std::size_t>(cell)].empty()) continue;
+    if (const std::ptrdiff_t cell = cell_of(p); cell >= 0 && edges_[static_cast<std::size_t>(cell)].empty()) return;
+    is_beyond_[i] = nearest(p).outside > allowed_[i];
+  });
+  for (std::size_t i = 0; i < allowed_.size(); ++i) {
+    if (!is_beyond_[i]) continue;
+    const Eigen::Vector2d p(x[3 * i], x[3 * i + 1]);
     const Nearest wall = nearest(p);
-    if (!(wall.outside > allowed_[i])) continue;
     const Eigen::Vector2d shift = (1 - allowed_[i] / wall.outside) * (wall.on_wall - p);
     x[3 * i] += shift.x();
     x[3 * i + 1] += shift.y();

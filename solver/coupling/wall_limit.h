@@ -39,6 +39,7 @@ class WallLimit {
   std::vector<std::vector<int>> edges_;        // per cell: edges that can be the nearest of a point in it; none when all of the cell is inside
   std::vector<int> all_edges_;
   std::vector<double> allowed_;                // m, per node; infinite when fixed
+  std::vector<char> is_beyond_;                // per node, of the last apply()
   std::vector<int> moved_;
   std::vector<Eigen::Vector3d> shifts_;
 };

@@ -235,7 +235,7 @@ void Simulation::advance(State& state, double dt) {
   x_before_ = state.x;
   if (structure_->contact()) structure_->contact()->import_history(state.friction_slip);
   structure_->evaluate(state, dt, pressure, forces_, times_);
-  if (structure_->contact()) state.friction_slip = structure_->contact()->export_history();
+  if (structure_->contact()) structure_->contact()->export_history(state.friction_slip);
 
   if (fluid_) {
     // The loss of the last step's unseen motion was booked with the forces before it; their mean with those after it is right to second order.
