@@ -29,7 +29,7 @@ struct alignas(32) FaceNormal {
 
 class SurfaceFrames {
  public:
-  /// `tree`: of the surface's triangles; `radius` (m) is added to the size in a triangle's head. All are kept by reference.
+  /// `tree`: of the surface's triangles, kept by reference; `radius` (m, per triangle) is added to the size in a triangle's head.
   SurfaceFrames(const ContactSurface& surface, const BoxTree& tree, std::span<const double> radius);
 
   /// Of x (3 * solid_nodes, m). Same bytes for every thread count.

@@ -56,7 +56,9 @@ Outcome generic(const std::string& annulus_text, const std::string& papillary_te
                               (dir / "stderr").string() + "'";
   const int status = std::system(command.c_str());
   Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1, mv::read_file(dir / "stderr")};
-  if (outcome.code != 0) EXPECT_FALSE(std::filesystem::exists(dir / "case/mid_surface.vtp"));
+  if (outcome.code != 0) {
+    EXPECT_FALSE(std::filesystem::exists(dir / "case/mid_surface.vtp"));
+  }
   return outcome;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/contact/candidates.h"
+#include "solver/contact/leaf_frames.h"
 #include "solver/contact/near_pairs.h"
 
 #include <gtest/gtest.h>
@@ -82,6 +83,61 @@ TEST(CandidateSearch, finds_every_triangle_in_reach_that_could_come_to_face_the_
   EXPECT_GT(expected, 10000);
   EXPECT_LT(listed, 3 * expected);
   EXPECT_GT(left_out, expected / 10);
+}
+
+TEST(SurfaceFrames, are_those_of_the_triangles_and_project_as_one_by_one) {
+  Crumpled c(2);
+  // One triangle without area.
+  const auto& flat = c.surface.triangles[17];
+  for (int k = 0; k < 3; ++k) c.x[3 * static_cast<std::size_t>(c.surface.nodes[flat[2]]) + static_cast<std::size_t>(k)] = c.x[3 * static_cast<std::size_t>(c.surface.nodes[flat[1]]) + static_cast<std::size_t>(k)];
+  CandidateSearch search(c.surface, 1.5 * mm, 1.5 * mm);
+  std::vector<double> radius;
+  for (int f = 0; f < c.surface.triangle_count(); ++f) radius.push_back(1e-6 * (f % 100));
+  SurfaceFrames frames(c.surface, search.tree(), radius);
+  frames.update(c.x);
+  const auto& tree = search.tree();
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> u(-1, 1);
+  int found = 0, flat_ones = 0;
+  for (int slot = 0; slot < tree.slot_count(); ++slot) {
+    const int f = tree.item(slot);
+    if (f < 0) continue;
+    ++found;
+    const auto& t = c.surface.triangles[f];
+    const auto at = [&](int n) { return Vec3(Vec3::Map(c.x.data() + 3 * c.surface.nodes[n])); };
+    const contact::FacetHead head = contact::make_head(at(t[0]), at(t[1]), at(t[2]));
+    const std::size_t leaf = static_cast<std::size_t>(slot) / BoxTree::width, lane = static_cast<std::size_t>(slot) % BoxTree::width;
+    if (head.area2 < 1e-9 * mm * mm) {  // what direction rounding leaves has no meaning
+      ++flat_ones;
+      EXPECT_LT(frames.normal(f).area2, 1e-9 * mm * mm);
+      continue;
+    }
+    EXPECT_LE((frames.n(slot) - head.n).norm(), 1e-13);
+    EXPECT_LE((frames.normal(f).n - head.n).norm(), 1e-13);
+    EXPECT_NEAR(frames.normal(f).area2, head.area2, 1e-13 * head.area2);
+    EXPECT_LE((frames.e1(slot) - (at(t[1]) - at(t[0]))).norm(), 0);
+    EXPECT_LE((frames.e2(slot) - (at(t[2]) - at(t[0]))).norm(), 0);
+    EXPECT_NEAR(frames.heads()[leaf].size[lane], head.size + radius[static_cast<std::size_t>(f)], 1e-6 * head.size);
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(frames.heads()[leaf].centre[k][lane], head.centre[static_cast<int>(k)], 1e-7 * (mm + head.centre.norm()));
+    const contact::Facet facet = contact::make_facet(at(t[0]), at(t[1]), at(t[2]), head.area2);
+    const LeafFrames& l = frames.frames(static_cast<int>(leaf));
+    const int first = static_cast<int>(lane) / lanes * lanes, here = static_cast<int>(lane) - first;
+    const auto of = [&](const LeafFrames::Eight& v) { return load(v.data() + first); };
+    const Vec3 d = 2 * mm * Vec3(u(random), u(random), u(random));
+    Pack d1{}, d2{};
+    for (int k = 0; k < 3; ++k) {
+      d1 += of(l.e1[static_cast<std::size_t>(k)]) * d[k];
+      d2 += of(l.e2[static_cast<std::size_t>(k)]) * d[k];
+    }
+    const auto side_by_side = contact::project(of(l.g11), of(l.g12), of(l.g22), of(l.inverse_det), d1, d2);
+    const auto alone = contact::project(facet, d);
+    const double roundoff = 1e-10 * (1 + std::abs(alone.l1) + std::abs(alone.l2));
+    EXPECT_NEAR(side_by_side.l1[here], alone.l1, roundoff);
+    EXPECT_NEAR(side_by_side.l2[here], alone.l2, roundoff);
+    EXPECT_NEAR(side_by_side.lateral_squared[here], alone.lateral_squared, 1e-9 * d.squaredNorm());
+  }
+  EXPECT_EQ(found, c.surface.triangle_count());
+  EXPECT_GE(flat_ones, 1);
 }
 
 TEST(NearPairs, keep_all_that_is_seen_until_something_has_moved_too_far) {

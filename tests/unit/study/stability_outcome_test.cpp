@@ -63,6 +63,12 @@ TEST(StabilityTable, is_selected_by_name_or_axis) {
 
 TEST(StabilityVerdict, a_sound_closure_is_stable) { EXPECT_EQ(verdict_of(closing_case(), closed()), Verdict::stable) << mv::judge(closing_case(), closed()).reason; }
 
+TEST(StabilityVerdict, what_hardly_leaks_is_closed_though_its_flow_never_turned) {
+  mv::CaseOutcome o = closed();
+  o.has_closed = false, o.closing_volume_ml = 0, o.backward_volume_ml = 9, o.late_leak_ml_s = 10;
+  EXPECT_EQ(verdict_of(closing_case(), o), Verdict::stable) << mv::judge(closing_case(), o).reason;
+}
+
 TEST(StabilityVerdict, whatever_is_wrong_makes_a_case_unstable_with_a_reason) {
   using Change = std::function<void(mv::CaseOutcome&)>;
   const std::vector<std::pair<const char*, Change>> changes{
@@ -74,7 +80,8 @@ TEST(StabilityVerdict, whatever_is_wrong_makes_a_case_unstable_with_a_reason) {
       {"volume", [](auto& o) { o.volume_drift = -0.041; }},
       {"crossings", [](auto& o) { o.self_intersections = 1; }},
       {"too fast", [](auto& o) { o.peak_velocity_m_s = 12; }},
-      {"not closed", [](auto& o) { o.has_closed = false; }},
+      {"not closed", [](auto& o) { o.has_closed = false, o.backward_volume_ml = 9, o.late_leak_ml_s = 200; }},
+      {"never moved", [](auto& o) { o.has_closed = false, o.backward_volume_ml = 0.1; }},
       {"closing volume", [](auto& o) { o.closing_volume_ml = 40; }},
       {"no closing volume", [](auto& o) { o.closing_volume_ml = std::nan(""); }},
       {"leak", [](auto& o) { o.late_leak_ml_s = 200; }},

@@ -62,7 +62,9 @@ TEST(ThickFaces, points_move_to_the_measured_faces_and_the_annulus_stays) {
   EXPECT_LT(fit.after_mean, 0.02);
   EXPECT_LT(fit.after_max, 0.2);
   for (std::size_t i = 0; i < b.points.size(); ++i)
-    if (b.on_annulus[i]) EXPECT_EQ(b.points[i], before.points[i]);
+    if (b.on_annulus[i]) {
+      EXPECT_EQ(b.points[i], before.points[i]);
+    }
   EXPECT_TRUE(mv::self_intersections(b.points, b.triangles).empty());
 }
 
@@ -77,7 +79,9 @@ TEST(ThickFaces, a_face_out_of_reach_or_looking_the_other_way_draws_nothing) {
   EXPECT_LT(moved, 1e-9);
   mv::move_to_faces(b, measured(3.0), 0.5);  // faces 1 mm away
   for (std::size_t i = 0; i < b.points.size(); ++i)
-    if (b.side[i] != mv::between && !b.on_free_edge[i]) EXPECT_LT((b.points[i] - before.points[i]).norm(), 0.5);
+    if (b.side[i] != mv::between && !b.on_free_edge[i]) {
+      EXPECT_LT((b.points[i] - before.points[i]).norm(), 0.5);
+    }
 }
 
 TEST_P(Mesher, fills_the_measured_leaflets_and_every_field_is_right) {

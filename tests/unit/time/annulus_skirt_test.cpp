@@ -70,7 +70,9 @@ TEST(AnnulusSkirt, reaches_from_the_annulus_to_the_wall_at_all_times) {
       EXPECT_NEAR(p.z(), 2e-3 * share, 1e-9);
       const double r = p.head<2>().norm();
       EXPECT_GT(r, inner + 0.3e-3);
-      if (std::abs(r - (1e-3 * wall + 0.5e-3)) > 1e-5) EXPECT_EQ(is_inside[i] != 0, r < 1e-3 * wall + 0.5e-3) << r;
+      if (std::abs(r - (1e-3 * wall + 0.5e-3)) > 1e-5) {
+        EXPECT_EQ(is_inside[i] != 0, r < 1e-3 * wall + 0.5e-3) << r;
+      }
       if (!is_inside[i]) continue;
       const auto sector = static_cast<std::size_t>(std::floor((std::atan2(p.y(), p.x()) + M_PI) / (2 * M_PI + 1e-12) * around));
       farthest[sector] = std::max(farthest[sector], r), nearest[sector] = std::min(nearest[sector], r);
