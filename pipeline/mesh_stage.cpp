@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cstdlib>
+
 #include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
 #include "geometry/core/log.h"
@@ -45,7 +47,9 @@ LeafletMesh fill(const Config& config, const SourceGeometry& source, const std::
 LeafletMesh make_mesh(const Config& config, const SourceGeometry& source) {
   if (is_thick(config)) {
     ThickReport report;
-    const UnfinishedDirectory work(std::filesystem::temp_directory_path() / fmt::format("mvprep_{}", getpid()));
+    std::string name = (std::filesystem::temp_directory_path() / "mvprep_XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw IoError(name + ": no such directory can be made for the mesher's files");
+    const UnfinishedDirectory work(name);
     return fill(config, source, work.path(), report);
   }
   ThickenOptions options;

@@ -71,6 +71,8 @@ CsvColumns read_header(const CsvTable& table, double unit_in_mm) {
   }
   for (const char* needed : {"x0", "y0", "z0", "x1", "y1", "z1"})
     if (!columns.has(needed)) throw InputError(fmt::format("{}: line 1: column '{}' (or '{}_mm') is missing; expected {}", table.file(), needed, needed, csv_header));
+  for (const char* read : {"area", "radius", "diameter", "rest_length", "kind"})
+    if (columns.has(read)) table.expect_in_every_row(columns.index.at(read));
   return columns;
 }
 

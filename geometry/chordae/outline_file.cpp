@@ -19,6 +19,7 @@ Curves read_csv(const std::filesystem::path& file) {
   const CsvTable table(file, "x_mm,y_mm,z_mm and, for several curves, curve");
   const std::size_t x = table.column("x_mm"), y = table.column("y_mm"), z = table.column("z_mm");
   const auto of_curve = table.find("curve");
+  if (of_curve) table.expect_in_every_row(*of_curve);
   Curves curves;
   std::string current;
   for (std::size_t row = 0; row < table.rows(); ++row) {

@@ -83,6 +83,7 @@ CsvTable::CsvTable(const std::filesystem::path& file, std::string_view expected)
       const char* hint = separator_ == ',' && cells.size() == 2 * columns_.size() ? "; are these decimal commas? Numbers need decimal points" : "";
       throw InputError(fmt::format("{}: line {}: {} values, the header has {} columns ({}){}", file_, i + 1, cells.size(), columns_.size(), shortened(joined(columns_)), hint));
     }
+    widths_.push_back(cells.size());
     cells.resize(columns_.size());
     cells_.insert(cells_.end(), std::make_move_iterator(cells.begin()), std::make_move_iterator(cells.end()));
     lines_.push_back(static_cast<int>(i) + 1);
@@ -99,6 +100,12 @@ std::optional<std::size_t> CsvTable::find(std::string_view name) const {
 std::size_t CsvTable::column(std::string_view name) const {
   if (const auto found = find(name)) return *found;
   throw InputError(fmt::format("{}: column '{}' is missing (the header is '{}'); expected {}", file_, name, shortened(joined(columns_)), expected_));
+}
+
+void CsvTable::expect_in_every_row(std::size_t column) const {
+  for (std::size_t row = 0; row < rows(); ++row)
+    if (widths_[row] <= column)
+      throw InputError(fmt::format("{}: {} values, '{}' is column {} of the header ({})", where(row), widths_[row], columns_[column], column + 1, shortened(joined(columns_))));
 }
 
 double CsvTable::number(std::size_t row, std::size_t column) const {

@@ -11,7 +11,7 @@
 
 namespace mv {
 
-/// A CSV file: a header line of column names, then rows with as many cells; those that a row lacks are empty. Commas, semicolons or tabs between cells (the header tells which), any line ends (LF, CR LF,
+/// A CSV file: a header line of column names, then rows with as many cells; those that a row lacks at its end are empty. Commas, semicolons or tabs between cells (the header tells which), any line ends (LF, CR LF,
 /// CR), quotes around cells, a byte order mark and empty lines are taken. Numbers have decimal points.
 class CsvTable {
  public:
@@ -25,6 +25,9 @@ class CsvTable {
   std::optional<std::size_t> find(std::string_view name) const;
   /// Throws InputError when there is none, or two.
   std::size_t column(std::string_view name) const;
+
+  /// Throws InputError when a row ends before the column: a cell that is missing further left has moved the others.
+  void expect_in_every_row(std::size_t column) const;
 
   const std::string& text(std::size_t row, std::size_t column) const { return cells_[row * columns_.size() + column]; }
   /// Throws InputError unless the cell is a finite number.
@@ -42,6 +45,7 @@ class CsvTable {
   char separator_ = ',';
   std::vector<std::string> columns_, cells_;
   std::vector<int> lines_;
+  std::vector<std::size_t> widths_;  // cells of each row in the file
 };
 
 }  // namespace mv

@@ -14,7 +14,7 @@
 
 namespace mv {
 
-/// Triangles (a, a + e1, a + e2) with unit normals n and the metric g of their edges (m); inverse_det = 1 / (4 area^2). A degenerate triangle has n = 0.
+/// Triangles (a, a + e1, a + e2) with unit normals n and the metric g of their edges (m); inverse_det = 1 / (4 area^2). A triangle without area has n = 0, or what rounding leaves.
 struct alignas(64) LeafFrames {
   using Eight = std::array<double, BoxTree::width>;
   std::array<Eight, 3> a, e1, e2, n;

@@ -570,7 +570,11 @@ struct SelfContact::Impl {
   void evaluate_slaves(std::span<const double> x, std::span<const double> v, double dt) {
     constexpr std::ptrdiff_t piece = 128;
     const auto count = static_cast<std::ptrdiff_t>(slaves.size()), pieces = (count + piece - 1) / piece;
-    records.resize(static_cast<std::size_t>(pieces));
+    records.resize(std::max(records.size(), static_cast<std::size_t>(pieces)));  // those beyond stay empty, and keep their memory
+    for (std::size_t p = static_cast<std::size_t>(pieces); p < records.size(); ++p) {
+      records[p].triangle.clear();
+      records[p].forces.clear();
+    }
     scratch.resize(std::max(scratch.size(), static_cast<std::size_t>(thread_count())));
     parallel_pieces(
         pieces, 1,

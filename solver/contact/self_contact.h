@@ -78,7 +78,7 @@ class SelfContact {
   void update_candidates(std::span<const double> x);
 
   /// Adds contact forces (N) to `forces` and moves the friction history on by dt. x (m), v (m/s), forces: 3 * solid_nodes,
-  /// interleaved. Renews candidates when the skin is used up. Does not allocate, except when a search finds more pairs than ever
+  /// interleaved. Renews candidates when the skin is used up. Does not allocate, except when more pairs are near, or press, than ever
   /// before. Throws TrustError on positions that are not finite. Same bytes for every thread count.
   ContactResult evaluate(std::span<const double> x, std::span<const double> v, double dt, std::span<double> forces);
 

@@ -83,7 +83,25 @@ NavierStokes::NavierStokes(const FluidGrid& grid, const FluidBoundary& boundary,
       rate_(grid),
       rhs_(grid.cells()),
       increment_(grid.padded_size(), 0.0),
-      partial_(static_cast<std::size_t>(grid.n[2] + 1)) {}
+      partial_(static_cast<std::size_t>(grid.n[2] + 1)) {
+  for (std::size_t axis = 0; axis < 2; ++axis) is_beyond_wall_[axis] = is_beyond_wall(axis);
+}
+
+/// Both sides of the box across x or y are walls at rest, and the two layers of faces next to them lie outside the tube.
+bool NavierStokes::is_beyond_wall(std::size_t axis) const {
+  constexpr int layers = 2;
+  if (!wall_.is_present || grid_.n[axis] < 2 * layers) return false;
+  for (std::size_t side = 0; side < 2; ++side)
+    if (boundary_.side[axis][side] != BoundaryKind::wall || !boundary_.wall_velocity[axis][side].isZero(0)) return false;
+  for (std::size_t component = 0; component < 3; ++component)
+    for (int j = -g; j < grid_.padded(1) - g; ++j)
+      for (int i = -g; i < grid_.padded(0) - g; ++i) {
+        const int along = axis == 0 ? i : j;
+        if (along > layers && along < grid_.n[axis] - layers) continue;
+        if (wall_.stencil[component].open[static_cast<std::size_t>((i + g) + grid_.padded(0) * (j + g))] > 0) return false;
+      }
+  return true;
+}
 
 FlowState NavierStokes::make_state() const {
   FlowState state;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <exception>
 #include <map>
 
 #include "geometry/core/parallel.h"
@@ -344,15 +345,20 @@ std::vector<Picture> draw_valve(const ValveFrames& frames, double pressure_scale
     }
   }
   pictures.resize(wanted.size());
+  std::vector<std::exception_ptr> errors(wanted.size());
   parallel_pieces(
       static_cast<std::ptrdiff_t>(wanted.size()), 1,
       [&](std::ptrdiff_t begin, std::ptrdiff_t end, int) {
-        for (std::ptrdiff_t k = begin; k < end; ++k) {
-          const Wanted& w = wanted[static_cast<std::size_t>(k)];
-          pictures[static_cast<std::size_t>(k)] = finished(w.name, w.what, draw_view(w.scene, w.view, w.paint, w.scale));
-        }
+        for (std::ptrdiff_t k = begin; k < end; ++k) try {
+            const Wanted& w = wanted[static_cast<std::size_t>(k)];
+            pictures[static_cast<std::size_t>(k)] = finished(w.name, w.what, draw_view(w.scene, w.view, w.paint, w.scale));
+          } catch (...) {
+            errors[static_cast<std::size_t>(k)] = std::current_exception();  // none may leave a parallel loop
+          }
       },
       2);
+  for (const std::exception_ptr& error : errors)
+    if (error) std::rethrow_exception(error);
   return pictures;
 }
 

@@ -292,7 +292,8 @@ void LeafletSolid::forces_directional(std::span<const double> x, std::span<const
 
 // --- critical step
 
-/// Power iteration on M_e^(-1/2) K_e M_e^(-1/2) of a block of elements at a time, K_e by differences of the element forces.
+/// Power iteration on M_e^(-1/2) K_e M_e^(-1/2) of a block of elements at a time, K_e by central differences of the element forces (one-sided ones
+/// would miss fibres that take no pressure, at rest).
 template <int N>
 double LeafletSolid::Data::tile_step(const Tile& tile, const double* x, std::span<double> element_steps, int rounds) const {
   constexpr double relative_displacement = 1e-6;
@@ -321,8 +322,6 @@ double LeafletSolid::Data::tile_step(const Tile& tile, const double* x, std::spa
       PackInt is_active;
       distortion_control(law, d, P, is_active);
     };
-    ElementVectors<N> force_here;
-    block_forces<N>(law, data, xe, force_here, unused, 0, control);
     Pack eigenvalue{};
     for (int round = 0; round < rounds; ++round) {
       Pack norm2{};
@@ -330,15 +329,20 @@ double LeafletSolid::Data::tile_step(const Tile& tile, const double* x, std::spa
         for (int i = 0; i < 3; ++i) norm2 += y.a[a][i] * y.a[a][i];
       const Pack inverse_norm = 1.0 / square_root(maximum(norm2, 1e-300));
       const Pack epsilon = relative_displacement * size * inverse_norm;
-      ElementVectors<N> moved, force;
-      for (int a = 0; a < N; ++a)
-        for (int i = 0; i < 3; ++i) moved.a[a][i] = xe.a[a][i] + epsilon * y.a[a][i] * (1.0 / root_share[a]);
-      block_forces<N>(law, data, moved, force, unused, 0, control);
-      Pack image2{};
-      const Pack scale = 1.0 / (relative_displacement * size);
+      ElementVectors<N> plus, minus, force_plus, force_minus;
       for (int a = 0; a < N; ++a)
         for (int i = 0; i < 3; ++i) {
-          y.a[a][i] = (force_here.a[a][i] - force.a[a][i]) * scale * (1.0 / root_share[a]);
+          const Pack shift = epsilon * y.a[a][i] * (1.0 / root_share[a]);
+          plus.a[a][i] = xe.a[a][i] + shift;
+          minus.a[a][i] = xe.a[a][i] - shift;
+        }
+      block_forces<N>(law, data, plus, force_plus, unused, 0, control);
+      block_forces<N>(law, data, minus, force_minus, unused, 0, control);
+      Pack image2{};
+      const Pack scale = 1.0 / (2.0 * relative_displacement * size);
+      for (int a = 0; a < N; ++a)
+        for (int i = 0; i < 3; ++i) {
+          y.a[a][i] = (force_minus.a[a][i] - force_plus.a[a][i]) * scale * (1.0 / root_share[a]);
           image2 += y.a[a][i] * y.a[a][i];
         }
       eigenvalue = square_root(image2);

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <limits>
 #include <ctime>
 #include <map>
 
@@ -45,8 +46,8 @@ class Watch {
     if (case_.behaviour == Behaviour::beats) look_at_beat(state);
   }
 
-  /// m3/s, net of what the leaflets sweep
-  double late_leak(const State& state) const { return late_time_ >= 0 && state.time > late_time_ ? (passed(state) - late_volume_) / (state.time - late_time_) : 0.0; }
+  /// m3/s, net of what the leaflets sweep; not a number where the end was not looked at
+  double late_leak(const State& state) const { return late_time_ >= 0 && state.time > late_time_ ? (passed(state) - late_volume_) / (state.time - late_time_) : std::numeric_limits<double>::quiet_NaN(); }
 
   void put_beats(CaseOutcome& outcome) const {
     if (late_beats_.count < 2 || early_beats_.count < 2) return;

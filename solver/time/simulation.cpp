@@ -26,11 +26,12 @@ constexpr int estimate_every = 80, estimate_soon = 10, estimate_at_once = 5;
 constexpr double quick_stiffening = 1.03;  // growth of the frequency from one estimate to the next
 // Growth of the energy of tissue or contact since the last estimate. Contact counts from a share of the tissue's energy on.
 constexpr double slow_loading = 1.03, quick_loading = 1.05, sudden_loading = 1.2, contact_share = 0.01;
-constexpr double most_room = 4;            // of the growth above, where the step is far from its limit
+constexpr double most_room = 2;            // of the growth above, where the step is far from its limit; relaxation's steps, which are as old, keep a ninth of theirs
 constexpr double room_to_stiffen = 0.7;    // share of the step that is used while it stiffens quickly
 constexpr int estimate_products = 3;
 // Of the power iteration for the elements' own critical steps: relaxation keeps a ninth of its limit, so that a few per cent do not matter.
 constexpr int relaxation_rounds = 6;
+constexpr int flow_step_every = 20;        // steps between two looks at the flow's own limit, at most
 constexpr int volumes_every = 10;          // steps between two evaluations of the nodes' smoothed volumes
 constexpr int gaps_every = 20;             // steps between two searches for facing leaflets
 constexpr int snapshot_every = 200;       // steps between two states to fall back to
@@ -162,8 +163,9 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
     state.last_estimate = state.step;
     state.energy_at_estimate = state.elastic_energy;
     state.contact_at_estimate = state.contact_energy;
-    const bool has_room = room_to_load(state, config.number("time.safety"), largest_step) > 1;
-    const bool is_soon = state.step < state.cap_until_step || (before > 0 && state.frequency > quick_stiffening * before && !has_room);
+    const double growth = before > 0 ? state.frequency / before : 1.0;
+    const bool has_room = room_to_load(state, config.number("time.safety"), largest_step) > growth * growth;
+    const bool is_soon = state.step < state.cap_until_step || (growth > quick_stiffening && !has_room);
     state.next_estimate = state.step + (is_soon ? estimate_soon : estimate_every);
     state.is_stiffening = is_soon;
   }
@@ -187,7 +189,7 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
       has_warned_of_step_ = true;
     }
   }
-  if (fluid_ && is_estimated) state.flow_step = fluid_->stable_step(state.flow);
+  if (fluid_ && (is_estimated || state.step % flow_step_every == 0)) state.flow_step = fluid_->stable_step(state.flow);
   if (fluid_ && state.flow_step < dt) {
     dt = state.flow_step;
     limiter = "flow";
