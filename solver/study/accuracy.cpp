@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <sstream>
+#include <string>
 
 #include "geometry/core/case_files.h"
 #include "geometry/core/errors.h"
@@ -112,8 +114,9 @@ AccuracyResult run_accuracy(const AccuracyOptions& options) {
   if (!result.parts.empty()) write_text_atomically(directory / "scene_parts.csv", scene_parts_csv(result.parts));
   write_text_atomically(directory / "recommended.toml", recommended_toml(result.recommended, options.command_line));
   // The built-in table is part of the source: no path of this machine in it.
-  std::string command = options.command_line;
-  if (const std::size_t at = command.find(directory.string()); at != std::string::npos) command.replace(at, directory.string().size(), "DIR");
+  std::string command, before;
+  std::istringstream words(options.command_line);
+  for (std::string word; words >> word; before = word) command += (command.empty() ? "" : " ") + (word == directory.string() ? "DIR" : before == "--table" ? "FILE" : word);
   write_text_atomically(options.table_file.empty() ? directory / "recommended_table.cpp" : options.table_file, recommended_source(result.recommended, command));
   write_text_atomically(directory / "accuracy.html", accuracy_page(result, options));
   return result;
