@@ -26,12 +26,10 @@ constexpr int estimate_every = 80, estimate_soon = 10, estimate_at_once = 5;
 constexpr double quick_stiffening = 1.03;  // growth of the frequency from one estimate to the next
 // Growth of the energy of tissue or contact since the last estimate. Contact counts from a share of the tissue's energy on.
 constexpr double slow_loading = 1.03, quick_loading = 1.05, sudden_loading = 1.2, contact_share = 0.01;
-constexpr double most_room = 2;            // of the growth above, where the step is far from its limit; relaxation's steps, which are as old, keep a ninth of theirs
 constexpr double room_to_stiffen = 0.7;    // share of the step that is used while it stiffens quickly
 constexpr int estimate_products = 3;
 // Of the power iteration for the elements' own critical steps: relaxation keeps a ninth of its limit, so that a few per cent do not matter.
 constexpr int relaxation_rounds = 6;
-constexpr int flow_step_every = 20;        // steps between two looks at the flow's own limit, at most
 constexpr int volumes_every = 10;          // steps between two evaluations of the nodes' smoothed volumes
 constexpr int gaps_every = 20;             // steps between two searches for facing leaflets
 constexpr int snapshot_every = 200;       // steps between two states to fall back to
@@ -54,16 +52,10 @@ double swept_volume_of(const std::vector<std::array<int, 3>>& faces, const std::
   });
 }
 
-/// Whether tissue or contact hold `growth` times (tissue: as many times `room`) the energy they held at the last estimate: what is stretched further, or pressed harder, is stiffer.
-bool is_loaded(const State& state, double growth, double room) {
-  return state.elastic_energy > growth * room * state.energy_at_estimate ||
+/// Whether tissue or contact hold `growth` times the energy they held at the last estimate: what is stretched further, or pressed harder, is stiffer.
+bool is_loaded(const State& state, double growth) {
+  return state.elastic_energy > growth * state.energy_at_estimate ||
          state.contact_energy > growth * state.contact_at_estimate + contact_share * state.elastic_energy;
-}
-
-/// How many times as stiff the tissue may become before a step of `largest` (s) leaves less than `safety` asks for.
-double room_to_load(const State& state, double safety, double largest) {
-  const double ratio = state.frequency > 0 ? safety * 2.0 / (state.frequency * largest) : 0.0;
-  return std::clamp(ratio * ratio, 1.0, most_room);
 }
 
 /// Blood (m3) that chordae or leaflets may stir before they close: a small share of the annulus' area times its root.
@@ -146,13 +138,11 @@ State Simulation::initial_state() {
 double Simulation::choose_step(State& state, double stop_time, std::string& limiter) {
   const Config& config = scene_.config;
   const auto start = Clock::now();
-  const double largest_step = std::max(config.number("time.step_max"), config.is_auto("time.step_fixed") ? 0.0 : config.number("time.step_fixed"));
-  const double room = room_to_load(state, config.number("time.safety"), largest_step);
-  const bool is_estimated = state.step >= state.next_estimate || (state.step >= state.last_estimate + estimate_soon && is_loaded(state, quick_loading, room)) ||
-                            (state.step >= state.last_estimate + estimate_at_once && is_loaded(state, sudden_loading, room));
+  const bool is_estimated = state.step >= state.next_estimate || (state.step >= state.last_estimate + estimate_soon && is_loaded(state, quick_loading)) ||
+                            (state.step >= state.last_estimate + estimate_at_once && is_loaded(state, sudden_loading));
   if (is_estimated) {
     const double before = state.frequency;
-    const bool is_probed = is_loaded(state, slow_loading, 1) || state.step < state.cap_until_step;
+    const bool is_probed = is_loaded(state, slow_loading) || state.step < state.cap_until_step;
     // The tangent of contact belongs to these positions, also after a resume or a rollback.
     if (structure_->contact()) refresh(state);
     if (coupling_) coupling_->bind({state.x, state.v, structure_->is_fixed()});
@@ -163,9 +153,7 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
     state.last_estimate = state.step;
     state.energy_at_estimate = state.elastic_energy;
     state.contact_at_estimate = state.contact_energy;
-    const double growth = before > 0 ? state.frequency / before : 1.0;
-    const bool has_room = room_to_load(state, config.number("time.safety"), largest_step) > growth * growth;
-    const bool is_soon = state.step < state.cap_until_step || (growth > quick_stiffening && !has_room);
+    const bool is_soon = state.step < state.cap_until_step || (before > 0 && state.frequency > quick_stiffening * before);
     state.next_estimate = state.step + (is_soon ? estimate_soon : estimate_every);
     state.is_stiffening = is_soon;
   }
@@ -189,7 +177,7 @@ double Simulation::choose_step(State& state, double stop_time, std::string& limi
       has_warned_of_step_ = true;
     }
   }
-  if (fluid_ && (is_estimated || state.step % flow_step_every == 0)) state.flow_step = fluid_->stable_step(state.flow);
+  if (fluid_ && is_estimated) state.flow_step = fluid_->stable_step(state.flow);
   if (fluid_ && state.flow_step < dt) {
     dt = state.flow_step;
     limiter = "flow";
