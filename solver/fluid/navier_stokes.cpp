@@ -83,25 +83,7 @@ NavierStokes::NavierStokes(const FluidGrid& grid, const FluidBoundary& boundary,
       rate_(grid),
       rhs_(grid.cells()),
       increment_(grid.padded_size(), 0.0),
-      partial_(static_cast<std::size_t>(grid.n[2] + 1)) {
-  for (std::size_t axis = 0; axis < 2; ++axis) is_beyond_wall_[axis] = is_beyond_wall(axis);
-}
-
-/// Both sides of the box across x or y are walls at rest, and the two layers of faces next to them lie outside the tube.
-bool NavierStokes::is_beyond_wall(std::size_t axis) const {
-  constexpr int layers = 2;
-  if (!wall_.is_present || grid_.n[axis] < 2 * layers) return false;
-  for (std::size_t side = 0; side < 2; ++side)
-    if (boundary_.side[axis][side] != BoundaryKind::wall || !boundary_.wall_velocity[axis][side].isZero(0)) return false;
-  for (std::size_t component = 0; component < 3; ++component)
-    for (int j = -g; j < grid_.padded(1) - g; ++j)
-      for (int i = -g; i < grid_.padded(0) - g; ++i) {
-        const int along = axis == 0 ? i : j;
-        if (along > layers && along < grid_.n[axis] - layers) continue;
-        if (wall_.stencil[component].open[static_cast<std::size_t>((i + g) + grid_.padded(0) * (j + g))] > 0) return false;
-      }
-  return true;
-}
+      partial_(static_cast<std::size_t>(grid.n[2] + 1)) {}
 
 FlowState NavierStokes::make_state() const {
   FlowState state;
@@ -133,7 +115,6 @@ void NavierStokes::impose_inflow(FaceField& velocity) const {
 void NavierStokes::apply_velocity_boundary(FaceField& velocity) const {
   const std::array<std::ptrdiff_t, 3> stride{1, grid_.stride_y(), grid_.stride_z()};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (is_beyond_wall_[axis]) continue;  // nothing moves there, in the ghost layers neither
     const std::size_t a1 = axis == 0 ? 1 : 0, a2 = axis == 2 ? 1 : 2;  // a1 is the nearer in memory
     const int m1 = grid_.padded(static_cast<int>(a1)), m2 = grid_.padded(static_cast<int>(a2));
     const int n = grid_.n[axis];

@@ -98,8 +98,6 @@ class NavierStokes {
   FluidBoundary boundary_;
   TubeWall wall_;
   double density_, viscosity_;
-  bool is_beyond_wall(std::size_t axis) const;
-  std::array<bool, 3> is_beyond_wall_{};
   PoissonSolver poisson_;
   FaceField rate_;
   std::vector<double> rhs_;        // unpadded

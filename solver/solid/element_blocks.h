@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "solver/solid/leaflet_solid.h"
 #include "geometry/core/pack.h"
+#include "solver/solid/leaflet_solid.h"
 
 namespace mv::solid_kernel {
 

@@ -8,8 +8,8 @@
 //   P = 2 m W1 F + 2 m4 W4 (F f) (x) f + (W1 I1 m' + W4 I4 m4' + U') cof F,       W1 = dW/dI1b, W4 = dW/dI4b, cof F = dJ/dF.
 // Nothing is divided by J, which keeps every term finite for flat and inverted elements.
 
-#include "solver/solid/material.h"
 #include "geometry/core/pack.h"
+#include "solver/solid/material.h"
 #include "solver/solid/principal.h"
 
 namespace mv::solid_kernel {

@@ -60,6 +60,22 @@ TEST(CsvTable, what_nobody_reads_may_be_missing_or_there_twice) {
   EXPECT_NAMES(complaint("a,b\n1,2,,3\n"), "line 2: 4 values, the header has 2 columns");
 }
 
+TEST(CsvTable, a_row_that_ends_before_a_column_that_is_read_may_have_lost_a_cell_further_left) {
+  const TemporaryDirectory dir;
+  const CsvTable t = table(dir, "a,b,c,note\n1,2,3\n1,3\n");
+  EXPECT_NO_THROW(t.expect_in_every_row(t.column("b")));
+  const auto message = [&](const char* name) {
+    try {
+      t.expect_in_every_row(t.column(name));
+    } catch (const mv::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NAMES(message("c"), "line 3: 2 values, 'c' is column 3 of the header");
+  EXPECT_NAMES(message("note"), "line 2: 3 values, 'note' is column 4 of the header");
+}
+
 TEST(CsvTable, lines_are_counted_as_an_editor_does) {
   const TemporaryDirectory dir;
   const CsvTable t = table(dir, "a,b\r\n\r\n1,2\r\n3,4\r\n");

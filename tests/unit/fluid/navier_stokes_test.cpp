@@ -40,6 +40,43 @@ TEST(NavierStokes, divergence_is_at_round_off_after_a_step_with_rough_forces) {
   EXPECT_GT(solver.peak_velocity(state), 1e-4);
 }
 
+// Also where the tube ends far from the box: who would leave its sides out, because nothing moves beyond the wall, is wrong.
+TEST(NavierStokes, layers_beyond_the_sides_mirror_the_flow_however_near_the_wall_of_the_tube_is) {
+  for (double share : {0.0, 0.2, 0.25, 0.3, 0.35, 0.38, 0.40, 0.42, 0.44, 0.46, 0.49}) {
+    mv::FluidGrid grid;
+    grid.n = {16, 14, 6};
+    grid.h = 1e-3;
+    grid.lower = {-8e-3, -7e-3, 0};
+    const auto section = share > 0 ? ellipse(share * 16e-3, share * 14e-3) : std::vector<Eigen::Vector2d>();
+    mv::NavierStokes solver(grid, mv::FluidBoundary(), mv::make_tube_wall(grid, section), 1060, 2e-3);
+    auto state = solver.make_state();
+    mv::FaceField force(grid);
+    randomise(force, 1e5);
+    for (int n = 0; n < 3; ++n) solver.advance(state, force, 1e-5, {{{0, 0}, {0, 0}, {1000, 0}}});
+    solver.apply_velocity_boundary(state.velocity);
+    double worst = 0, largest = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+      for (int k = 0; k < grid.n[2]; ++k)
+        for (std::size_t axis = 0; axis < 2; ++axis)
+          for (int q = 0; q < grid.n[1 - axis]; ++q)
+            for (int layer = 1; layer <= 2; ++layer)
+              for (const bool is_upper : {false, true}) {
+                const auto value = [&](int along) {
+                  return state.velocity.c[c][static_cast<std::size_t>(axis == 0 ? grid.index(along, q, k) : grid.index(q, along, k))];
+                };
+                const bool is_normal = c == axis;
+                const int n = grid.n[axis];
+                // No slip, no flow: odd about the side; normal velocities stand on it.
+                const int out = is_upper ? (is_normal ? n + layer : n - 1 + layer) : -layer, in = is_upper ? n - layer : (is_normal ? layer : layer - 1);
+                worst = std::max(worst, std::abs(value(out) + value(in)));
+                largest = std::max(largest, std::abs(value(in)));
+                if (is_normal) worst = std::max(worst, std::abs(value(is_upper ? n : 0)));
+              }
+    EXPECT_EQ(worst, 0) << share;
+    EXPECT_GT(largest, 0) << share;  // the projection knows the box alone, so that outside the tube the flow is small, not zero
+  }
+}
+
 TEST(NavierStokes, energy_budget_of_a_closed_box_closes) {
   mv::FluidGrid grid;
   grid.n = {16, 16, 4};
