@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// The only file that knows about threads. Work is split statically into contiguous ranges, so the same thread count gives
-// the same arithmetic; kernels written per cell or per node with fixed gather order do not depend on the count at all.
+// The only file that knows about threads. Ranges are split statically, so the same thread count gives the same arithmetic; kernels written per cell or per
+// node with fixed gather order do not depend on the count at all. Pieces go to whichever thread is free: their results must not depend on who does them.
 
+#include <atomic>
 #include <cstddef>
 
 #ifdef _OPENMP
@@ -69,17 +70,18 @@ void parallel_for(std::ptrdiff_t n, Body&& body, std::ptrdiff_t serial_below = s
       serial_below);
 }
 
-/// Calls body(begin, end, thread) for pieces of `piece` items that the threads take in turn: for loops whose work is bunched up somewhere. Which thread does
-/// which piece must not matter for the result.
+/// Calls body(begin, end, thread) for pieces of `piece` items, handed out in ascending order as threads become free: for loops whose work is bunched up
+/// somewhere. Which thread does which piece must not matter for the result.
 template <class Body>
 void parallel_pieces(std::ptrdiff_t n, std::ptrdiff_t piece, Body&& body, std::ptrdiff_t serial_below = serial_loop_limit) {
 #ifdef _OPENMP
   if (n >= serial_below && omp_get_max_threads() > 1) {
+    std::atomic<std::ptrdiff_t> next{0};
 #pragma omp parallel
     {
-      const std::ptrdiff_t step = piece * omp_get_num_threads();
-      const std::ptrdiff_t t = omp_get_thread_num();
-      for (std::ptrdiff_t begin = piece * t; begin < n; begin += step) detail::run_range(body, begin, begin + piece < n ? begin + piece : n, static_cast<int>(t));
+      const int t = omp_get_thread_num();
+      for (std::ptrdiff_t begin; (begin = next.fetch_add(piece, std::memory_order_relaxed)) < n;)
+        detail::run_range(body, begin, begin + piece < n ? begin + piece : n, t);
     }
     return;
   }

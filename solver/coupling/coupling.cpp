@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/coupling/coupling.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -161,6 +162,45 @@ Coupling::HoldWork Coupling::hold(std::vector<double>& holding, const FaceField&
   return work;
 }
 
+void Coupling::tie_to_fixed(std::span<const double> rest, std::span<const char> is_fixed) {
+  const int count = static_cast<int>(is_fixed.size());
+  std::vector<int> fixed;
+  for (int i = 0; i < count; ++i)
+    if (is_fixed[static_cast<std::size_t>(i)]) fixed.push_back(i);
+  const auto at = [&](int node) { return Eigen::Vector3d::Map(rest.data() + 3 * static_cast<std::ptrdiff_t>(node)); };
+  const double h = transfer_.grid().h, reach = transfer_.kernel_reach() * h;
+  std::vector<Tie> of_node(static_cast<std::size_t>(count), Tie{-1, -1, 1.0});
+  parallel_for(count, [&](std::ptrdiff_t i) {
+    if (is_fixed[static_cast<std::size_t>(i)]) return;
+    const int node = static_cast<int>(i);
+    int nearest = -1;
+    double squared = reach * reach;
+    for (const int f : fixed)
+      if (const double d = (at(f) - at(node)).squaredNorm(); d < squared) squared = d, nearest = f;
+    if (nearest < 0) return;
+    const double s = std::sqrt(squared) / h;
+    of_node[static_cast<std::size_t>(i)] = {node, nearest, s / std::max(s, transfer_.smeared_ramp(s))};
+  });
+  ties_.clear();
+  tied_.clear();
+  for (const Tie& tie : of_node)
+    if (tie.free < 1) {
+      ties_.push_back(tie);
+      tied_.push_back(tie.node);
+    }
+  if (ties_.empty()) return;
+  tied_force_.assign(rest.size(), 0.0);
+  tied_transfer_ = std::make_unique<Transfer>(transfer_);
+}
+
+void Coupling::relieve_tied(const CoupledNodes& nodes, std::span<const double> forces, FaceField& force_density) {
+  if (ties_.empty()) return;
+  for (const Tie& tie : ties_)
+    for (std::size_t a = 3 * static_cast<std::size_t>(tie.node), end = a + 3; a < end; ++a) tied_force_[a] = -(1 - tie.free) * forces[a];
+  tied_transfer_->bind(nodes.x, tied_);
+  tied_transfer_->spread(tied_force_, force_density);
+}
+
 int Coupling::bind(const CoupledNodes& nodes) {
   active_.clear();
   const int count = static_cast<int>(nodes.is_fixed.size());
@@ -169,7 +209,7 @@ int Coupling::bind(const CoupledNodes& nodes) {
   return transfer_.bind(nodes.x, active_);
 }
 
-void Coupling::move(const CoupledNodes& nodes, const FaceField& velocity, double dt) {
+double Coupling::move(const CoupledNodes& nodes, const FaceField& velocity, double dt) {
   // Midpoint rule: a plain Euler step swells everything that turns, by (dt omega)^2 / 2 of its volume a step. The old velocity is good enough to find
   // the midpoint (an error of dt^3; relaxation and slip are in it as they were last) and saves an interpolation.
   midpoint_.assign(nodes.x.begin(), nodes.x.end());
@@ -178,21 +218,39 @@ void Coupling::move(const CoupledNodes& nodes, const FaceField& velocity, double
   });
   transfer_.move_bound(midpoint_);
   transfer_.interpolate(velocity, nodes.v);
+  double work = 0;
+  for (const Tie& tie : ties_)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t a = 3 * static_cast<std::size_t>(tie.node) + c;
+      const double carried = nodes.v[3 * static_cast<std::size_t>(tie.fixed) + c];
+      nodes.v[a] = tie.free * nodes.v[a] + (1 - tie.free) * carried;
+      work += dt * tied_force_[a] * carried;
+    }
   parallel_for(static_cast<std::ptrdiff_t>(midpoint_.size()), [&](std::ptrdiff_t a) {
     if (!nodes.is_fixed[static_cast<std::size_t>(a / 3)]) nodes.x[static_cast<std::size_t>(a)] += dt * nodes.v[static_cast<std::size_t>(a)];
   });
+  return work;
 }
 
 void Coupling::accelerate(const CoupledNodes& nodes, std::span<const double> forces, NavierStokes& fluid, FaceField& scratch,
                           std::span<double> out) const {
   scratch.set_zero();
-  transfer_.spread(forces, scratch);
+  if (ties_.empty()) {
+    transfer_.spread(forces, scratch);
+  } else {
+    std::vector<double> handed(forces.begin(), forces.end());
+    for (const Tie& tie : ties_)
+      for (std::size_t a = 3 * static_cast<std::size_t>(tie.node), end = a + 3; a < end; ++a) handed[a] *= tie.free;
+    transfer_.spread(handed, scratch);
+  }
   fluid.project(scratch);
   fluid.apply_velocity_boundary(scratch);
   transfer_.interpolate(scratch, out);
   for (std::size_t i = 0; i < nodes.is_fixed.size(); ++i)
     for (std::size_t a = 3 * i; a < 3 * i + 3; ++a)
       out[a] = nodes.is_fixed[i] ? 0.0 : out[a] / density_;
+  for (const Tie& tie : ties_)
+    for (std::size_t a = 3 * static_cast<std::size_t>(tie.node), end = a + 3; a < end; ++a) out[a] *= tie.free;
 }
 
 }  // namespace mv

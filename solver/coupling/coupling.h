@@ -40,11 +40,19 @@ class Coupling {
   /// for safety^2 + share + share < 1 (spring and damper each), of which 84 % are used, from 0.05 to 0.2.
   void set_hold_share(double safety);
 
+  /// Ties nodes to the nearest fixed one within the kernel's reach: s cells from it at rest, a node moves with the share D of the blood's velocity and with 1 - D of the fixed
+  /// node's, and hands the blood D times its force (relieve_tied()); the annulus bears the rest, so that no work is lost. Interpolation smears the clamp over the kernel: a
+  /// leaflet that turns about it (velocity s on its side, 0 beyond) is read to move with r(s) > s (Transfer::smeared_ramp); D = s / r(s) gives s back. `rest`: m, 3 per node.
+  void tie_to_fixed(std::span<const double> rest, std::span<const char> is_fixed);
+
   /// Sorts the points; must precede the other calls of a step. Returns the number of nodes outside the box.
   int bind(const CoupledNodes& nodes);
 
   /// Adds the forces (N) of nodes that move with the blood to the force density (N/m3).
   void hand_over(std::span<const double> forces, FaceField& force_density) const { transfer_.spread(forces, force_density); }
+
+  /// Takes the share of the tied nodes' forces that the hold bears from the force density. Call after find_unseen().
+  void relieve_tied(const CoupledNodes& nodes, std::span<const double> forces, FaceField& force_density);
 
   /// The part of the nodal forces that the blood does not see (N, 3 per node): F - V <F> / <V>, F and V a node's force and volume, <.> spread and
   /// interpolated back. A force density that the kernel resolves leaves nothing. Call after hand_over() and before anything else is spread.
@@ -76,8 +84,9 @@ class Coupling {
   /// Forces (N) of the last hold() on the blood, 3 per held node in the order of set_held().
   std::span<const double> held_forces() const { return held_force_; }
 
-  /// New velocities and positions after the blood has moved: midpoint rule, dx/dt = u(x).
-  void move(const CoupledNodes& nodes, const FaceField& velocity, double dt);
+  /// New velocities and positions after the blood has moved: midpoint rule, dx/dt = u(x). The velocities of fixed nodes must be those of this step. Returns the work
+  /// (J) of the fixed nodes' motion on the tied ones, against the forces of relieve_tied().
+  double move(const CoupledNodes& nodes, const FaceField& velocity, double dt);
 
   /// Acceleration (m/s2) that nodal forces cause in the blood `fluid`, the pressure's reply included: the mobility of the bound nodes.
   void accelerate(const CoupledNodes& nodes, std::span<const double> forces, NavierStokes& fluid, FaceField& scratch, std::span<double> out) const;
@@ -88,7 +97,16 @@ class Coupling {
   /// Zeroes x and y of the points that hold along z only (3 per held point).
   void leave_axial_part(std::vector<double>& held) const;
 
+  struct Tie {  // tie_to_fixed(); `free`: D
+    int node, fixed;
+    double free;
+  };
+
   Transfer transfer_;
+  std::vector<Tie> ties_;
+  std::vector<int> tied_;               // their nodes
+  std::vector<double> tied_force_;      // N, 3 per node: what the hold bears, zero but for tied nodes
+  std::unique_ptr<Transfer> tied_transfer_;
   double density_;
   double hold_share_ = 0.15;
   std::vector<double> midpoint_;

@@ -180,6 +180,31 @@ void Transfer::spread_with(std::span<const double> forces, FaceField& force_dens
       2);
 }
 
+double Transfer::kernel_reach() const { return kernel_ == Kernel::ib4 ? 2.0 : 1.5; }
+
+template <Kernel K>
+double Transfer::smeared_ramp_with(double s) {
+  constexpr int offsets = 32;
+  double sum = 0;
+  for (int o = 0; o < offsets; ++o) {
+    const double offset = (o + 0.5) / offsets;   // of the clamp from a grid point
+    for (const bool is_own_axis : {true, false}) {
+      const KernelWeights weights = kernel_weights<K>(s + offset, is_own_axis);
+      for (int k = 0; k < weights.width; ++k) sum += 0.5 / offsets * weights.w[k] * std::max(0.0, weights.first + k - offset);
+    }
+  }
+  return sum;
+}
+
+double Transfer::smeared_ramp(double s) const {
+  switch (kernel_) {
+    case Kernel::ib3: return smeared_ramp_with<Kernel::ib3>(s);
+    case Kernel::ib4: return smeared_ramp_with<Kernel::ib4>(s);
+    case Kernel::cbs32: return smeared_ramp_with<Kernel::cbs32>(s);
+  }
+  return s;
+}
+
 void Transfer::interpolate(const FaceField& velocity, std::span<double> velocities) const {
   switch (kernel_) {
     case Kernel::ib3: return interpolate_with<Kernel::ib3>(velocity, velocities);

@@ -34,7 +34,15 @@ class Transfer {
 
   const FluidGrid& grid() const { return grid_; }
 
+  /// Cells over which the kernel reaches at most.
+  double kernel_reach() const;
+
+  /// The velocity max(s, 0) (s in cells) as the kernel interpolates it at s, mean over the places of the grid.
+  double smeared_ramp(double s) const;
+
  private:
+  template <Kernel K>
+  static double smeared_ramp_with(double s);
   template <Kernel K>
   void interpolate_with(const FaceField& velocity, std::span<double> velocities) const;
   template <Kernel K>

@@ -97,6 +97,7 @@ Simulation::Simulation(Scene scene) : scene_(std::move(scene)), waveform_(Wavefo
     std::vector<double> volumes = structure_->solid().node_volumes();
     volumes.resize(structure_->is_fixed().size(), 0.0);
     coupling_->set_volumes(std::move(volumes));
+    coupling_->tie_to_fixed(structure_->rest_positions(), structure_->is_fixed());
     if (config.text("coupling.annulus") == "faces") fluid_->set_rest_faces(faces_crossed(grid, annulus_barrier(scene_)));
     else hold_annulus();
     coupling_->set_hold_share(config.number("time.safety"));
@@ -251,6 +252,7 @@ void Simulation::advance(State& state, double dt) {
       book_unseen_motion(state);
     }
 
+    coupling_->relieve_tied(nodes, forces_, force_density_);
     if (skirt_) carry_hold(state.time, dt);
     const Coupling::HoldWork held = coupling_->hold(state.holding, state.flow.velocity, dt, force_density_);
     state.ledger.coupling_loss -= held.on_blood - held.by_motion;
@@ -260,8 +262,8 @@ void Simulation::advance(State& state, double dt) {
     const FlowStepReport report = fluid_->advance(state.flow, force_density_, dt, {{{0, 0}, {0, 0}, {pressure, 0}}});
     times_.fluid += seconds_since(start);
     start = Clock::now();
-    coupling_->move(nodes, state.flow.velocity, dt);
     if (skirt_) move_annulus(state, dt);
+    state.ledger.work_moved += coupling_->move(nodes, state.flow.velocity, dt);
     times_.coupling += seconds_since(start);
     guard_motion(state, dt);  // keeps its own time
     start = Clock::now();
