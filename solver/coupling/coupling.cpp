@@ -12,6 +12,7 @@ namespace mv {
 
 namespace {
 constexpr double hold_share_most = 0.2, hold_share_least = 0.05, hold_room = 0.42;   // set_hold_share()
+constexpr double room_beside_tissue = 0.6, least_room = 0.05;   // hold()
 // Steps shorter than this hold no harder: the harder the hold, the more of the weakly seen motions between the held nodes it stops, and what the annulus lets
 // pass would depend on the step.
 constexpr double hold_step = 50e-6;  // s
@@ -133,12 +134,14 @@ void Coupling::relax(const CoupledNodes& nodes, std::span<const double> unseen, 
   });
 }
 
-Coupling::HoldWork Coupling::hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density) {
+Coupling::HoldWork Coupling::hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density, double tissue_share) {
   HoldWork work;
   if (!held_transfer_ || !(held_mobility_ > 0)) return work;
   const double step = std::max(dt, hold_step);
-  const double spring = hold_share_ * 4.0 / (held_mobility_ * step * step);
-  const double damper = hold_share_ * 2.0 / (held_mobility_ * step);
+  const double room = room_beside_tissue * (1.0 - std::min(1.0, tissue_share * tissue_share)), wanted = hold_share_ * (dt / step) * (1.0 + dt / step);
+  const double share = hold_share_ * std::min(1.0, std::max(room, least_room) / wanted);
+  const double spring = share * 4.0 / (held_mobility_ * step * step);
+  const double damper = share * 2.0 / (held_mobility_ * step);
   const bool is_carried = !held_target_.empty();
   held_transfer_->interpolate(velocity, held_velocity_);
   for (std::size_t a = 0; a < holding.size(); ++a) {

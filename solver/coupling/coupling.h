@@ -78,8 +78,9 @@ class Coupling {
   /// velocity U there:
   ///   F = I - c (U - V),  dI/dt = -k (U - V),
   /// with k and c as stiff as the step, or 50 us if it is shorter, allows: shares (set_hold_share) of the limits k dt^2 < 4 / mobility and c dt < 2 / mobility, the
-  /// mobility of the held nodes being found beforehand. `holding` (I, N, 3 per held node) is part of the state.
-  HoldWork hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density);
+  /// mobility of the held nodes being found beforehand. Where dt is `tissue_share` of the step at which tissue alone would be unstable, both take no more than 60 % of what that
+  /// leaves (1 - tissue_share^2). `holding` (I, N, 3 per held node) is part of the state.
+  HoldWork hold(std::vector<double>& holding, const FaceField& velocity, double dt, FaceField& force_density, double tissue_share = 0);
 
   /// Forces (N) of the last hold() on the blood, 3 per held node in the order of set_held().
   std::span<const double> held_forces() const { return held_force_; }

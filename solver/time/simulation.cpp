@@ -254,7 +254,7 @@ void Simulation::advance(State& state, double dt) {
 
     coupling_->relieve_tied(nodes, forces_, force_density_);
     if (skirt_) carry_hold(state.time, dt);
-    const Coupling::HoldWork held = coupling_->hold(state.holding, state.flow.velocity, dt, force_density_);
+    const Coupling::HoldWork held = coupling_->hold(state.holding, state.flow.velocity, dt, force_density_, 0.5 * dt * state.frequency);
     state.ledger.coupling_loss -= held.on_blood - held.by_motion;
     state.ledger.work_moved += held.by_motion;
     times_.coupling += seconds_since(start);
