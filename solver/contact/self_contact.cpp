@@ -71,7 +71,7 @@ Penalty penalty_of(const ContactOptions& o, double threshold, double overlap) {
 
 /// What one slave adds to the totals.
 struct SlaveTotals {
-  double force = 0, friction = 0, area = 0, gap = infinity, energy = 0, slip_energy = 0, dissipation = 0;
+  double force = 0, friction = 0, area = 0, gap = infinity, depth = 0, energy = 0, slip_energy = 0, dissipation = 0;
 };
 
 /// Forces on the three corners of a triangle.
@@ -440,6 +440,7 @@ struct SelfContact::Impl {
       add_corner(corners, 0, (1 - s.l1 - s.l2) * along_normal + (1 - s.b1 - s.b2) * towards_closest);
       add_corner(corners, 1, s.l1 * along_normal + s.b1 * towards_closest);
       add_corner(corners, 2, s.l2 * along_normal + s.b2 * towards_closest);
+      if (s.u == 0) result.depth = std::max(result.depth, -s.p);  // the foot lies in the triangle
       out.triangle.push_back(s.triangle);
       out.forces.push_back(corners);
     }
@@ -601,10 +602,10 @@ struct SelfContact::Impl {
       result.friction_force += 0.5 * t.friction;
       result.contact_area += 0.5 * t.area;
       result.min_gap = std::min(result.min_gap, t.gap);
+      result.penetration_max = std::max(result.penetration_max, t.depth);
       result.potential_energy += t.energy;
       result.friction_energy += t.slip_energy;
     }
-    result.penetration_max = std::max(0.0, -result.min_gap);
     return result;
   }
 };

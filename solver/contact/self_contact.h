@@ -53,8 +53,8 @@ struct ContactResult {
   double normal_force = 0;     // N, carried across the interface, counted once: half the sum of the nodes' normal forces
   double friction_force = 0;   // N, the same for the magnitude of friction
   double contact_area = 0;     // m2, half the current tributary area of the active nodes
-  double penetration_max = 0;  // m, largest overlap of the outward faces, max(0, -min_gap)
-  double min_gap = std::numeric_limits<double>::infinity();  // m, over active nodes
+  double penetration_max = 0;  // m, largest depth of an active node behind a facing triangle that it is over (foot within); 0: no node is in a face
+  double min_gap = std::numeric_limits<double>::infinity();  // m, averaged, over active nodes; negative also beside a border, where planes go on and no faces overlap
   double potential_energy = 0;                               // J, sum of E_i
   double friction_energy = 0;                                // J, stored in elastic slip
   double friction_dissipation = 0;                           // J, lost to friction in this step (never negative)

@@ -21,6 +21,29 @@ void DryMotion::add_contact(const ContactOptions& options, const std::vector<int
   contact_ = std::make_unique<SelfContact>(surface_, options);
 }
 
+void DryMotion::add_guard() {
+  std::vector<std::array<int, 3>> triangles = surface_.triangles;
+  for (auto& t : triangles)
+    for (int& n : t) n = surface_.nodes[static_cast<std::size_t>(n)];
+  std::vector<char> is_fixed(x.size() / 3, 0);
+  for (std::size_t a = 0; a < x.size(); ++a) is_fixed[a / 3] |= is_held[a];
+  guard_.emplace(x, triangles, solid_->node_masses(), is_fixed);
+}
+
+/// As Simulation::advance without blood: impulses on velocities, their loss counted as damping.
+void DryMotion::guard(double dt) {
+  guard_impulses_ += guard_->apply(x_before_, x).stopped;
+  guard_force_.setZero();
+  for (std::size_t k = 0; k < guard_->moved().size(); ++k) {
+    const std::size_t n = static_cast<std::size_t>(guard_->moved()[k]);
+    const Vec3 change = guard_->shifts()[k] / dt;
+    Eigen::Map<Vec3> velocity(v.data() + 3 * n);
+    energies_.damping_loss += 0.5 * masses[3 * n] * (velocity.squaredNorm() - (velocity + change).squaredNorm());
+    velocity += change;
+    guard_force_ += masses[3 * n] / dt * change;
+  }
+}
+
 void DryMotion::step(double dt) {
   std::copy(external.begin(), external.end(), forces_.begin());
   energies_.elastic = solid_->forces(x, forces_);
@@ -30,6 +53,7 @@ void DryMotion::step(double dt) {
     energies_.friction_loss += contact_result_.friction_dissipation;
   }
   if (load) load(x, forces_);
+  if (guard_) x_before_ = x;
   const double decay = 1.0 / (1.0 + dt * damping);
   energies_.kinetic = 0;
   for (std::size_t a = 0; a < x.size(); ++a) {
@@ -39,6 +63,7 @@ void DryMotion::step(double dt) {
     energies_.damping_loss += dt * damping * masses[a] * v[a] * v[a];
     x[a] += dt * v[a];
   }
+  if (guard_) guard(dt);
 }
 
 Vec3 DryMotion::momentum() const {

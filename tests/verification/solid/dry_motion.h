@@ -2,14 +2,16 @@
 #pragma once
 
 // Motion of tissue and contact without blood, the step of Simulation::advance without a fluid:
-//   v += dt F(x) / m,  v /= 1 + dt damping,  x += dt v      (semi-implicit Euler; v lives half a step after x).
+//   v += dt F(x) / m,  v /= 1 + dt damping,  x += dt v      (semi-implicit Euler; v lives half a step after x), then what the crossing guard stops.
 // SI units.
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "solver/contact/crossing_guard.h"
 #include "solver/contact/self_contact.h"
 #include "verification/solid/box_mesh.h"
 
@@ -28,6 +30,9 @@ class DryMotion {
   /// Contact of the whole boundary, or of the atrial faces only when `side` (mv::Side per node) is given.
   void add_contact(const ContactOptions& options, const std::vector<int>& side = {});
 
+  /// Keeps the surface of add_contact from passing through itself. Nodes of which a component is held now are never moved by it.
+  void add_guard();
+
   void step(double dt);
   double critical_step() { return solid_->critical_step(x); }
 
@@ -42,14 +47,22 @@ class DryMotion {
   const ContactResult& contact_result() const { return contact_result_; }
   const std::vector<double>& forces() const { return forces_; }  // N, of the last step, at its start; external and load included
   const DryEnergies& energies() const { return energies_; }      // at the start of the last step
+  Vec3 guard_force() const { return guard_force_; }              // N, on all nodes together in the last step: what held nodes gave
+  long guard_impulses() const { return guard_impulses_; }        // since the start
   Vec3 momentum() const;
   Vec3 angular_momentum() const;
 
  private:
+  void guard(double dt);
+
   std::unique_ptr<LeafletSolid> solid_;
   ContactSurface surface_;
   std::unique_ptr<SelfContact> contact_;
   ContactResult contact_result_;
+  std::optional<CrossingGuard> guard_;
+  Vec3 guard_force_ = Vec3::Zero();
+  long guard_impulses_ = 0;
+  std::vector<double> x_before_;
   std::vector<double> forces_;
   DryEnergies energies_;
 };
