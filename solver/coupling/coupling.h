@@ -42,7 +42,7 @@ class Coupling {
 
   /// Ties nodes to the nearest fixed one within the kernel's reach: s cells from it at rest, a node moves with the share D of the blood's velocity and with 1 - D of the fixed
   /// node's, and hands the blood D times its force (relieve_tied()); the annulus bears the rest, so that no work is lost. Interpolation smears the clamp over the kernel: a
-  /// leaflet that turns about it (velocity s on its side, 0 beyond) is read to move with r(s) > s (Transfer::smeared_ramp); D = s / r(s) gives s back. `rest`: m, 3 per node.
+  /// leaflet that turns about it (velocity s on its side, 0 beyond) is read to move with r(s) > s (Transfer::smeared_ramp); D = s / r(s) gives s back. `rest`: m, 3 per node. Costs nodes times fixed nodes, once; nothing happens without fixed nodes.
   void tie_to_fixed(std::span<const double> rest, std::span<const char> is_fixed);
 
   /// Sorts the points; must precede the other calls of a step. Returns the number of nodes outside the box.
@@ -51,7 +51,8 @@ class Coupling {
   /// Adds the forces (N) of nodes that move with the blood to the force density (N/m3).
   void hand_over(std::span<const double> forces, FaceField& force_density) const { transfer_.spread(forces, force_density); }
 
-  /// Takes the share of the tied nodes' forces that the hold bears from the force density. Call after find_unseen().
+  /// Takes the share of the tied nodes' forces (N) that the annulus bears back from the force density. Call after hand_over() and find_unseen(), before move(); `nodes` need
+  /// not be bound. Nothing without ties.
   void relieve_tied(const CoupledNodes& nodes, std::span<const double> forces, FaceField& force_density);
 
   /// The part of the nodal forces that the blood does not see (N, 3 per node): F - V <F> / <V>, F and V a node's force and volume, <.> spread and
@@ -106,7 +107,7 @@ class Coupling {
   Transfer transfer_;
   std::vector<Tie> ties_;
   std::vector<int> tied_;               // their nodes
-  std::vector<double> tied_force_;      // N, 3 per node: what the hold bears, zero but for tied nodes
+  std::vector<double> tied_force_;      // N, 3 per node: minus what the annulus bears, zero but for tied nodes
   std::unique_ptr<Transfer> tied_transfer_;
   double density_;
   double hold_share_ = 0.15;

@@ -180,7 +180,14 @@ void Transfer::spread_with(std::span<const double> forces, FaceField& force_dens
       2);
 }
 
-double Transfer::kernel_reach() const { return kernel_ == Kernel::ib4 ? 2.0 : 1.5; }
+double Transfer::kernel_reach() const {
+  switch (kernel_) {
+    case Kernel::ib3: return 0.5 * kernel_width<Kernel::ib3>(true);
+    case Kernel::ib4: return 0.5 * kernel_width<Kernel::ib4>(true);
+    case Kernel::cbs32: return 0.5 * kernel_width<Kernel::cbs32>(true);
+  }
+  return reach;
+}
 
 template <Kernel K>
 double Transfer::smeared_ramp_with(double s) {

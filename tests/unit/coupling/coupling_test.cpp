@@ -218,6 +218,34 @@ TEST(Holding, leaves_room_for_tissue_that_moves_the_same_blood) {
   }
 }
 
+/// Largest force (N) of the first hold() on blood that moves at 1 m/s past one held point.
+double force_of_hold(double dt, double tissue_share) {
+  const FluidGrid grid = cube(12);
+  Coupling coupling(Transfer(grid, mv::make_tube_wall(grid, {}), Kernel::ib4), 1000.0);
+  const std::vector<double> x{6.2e-3, 5.9e-3, 6.1e-3};
+  const std::vector<char> held{1};
+  std::vector<double> holding(3 * static_cast<std::size_t>(coupling.set_held(x, held)), 0.0);
+  coupling.set_hold_share(0.8);
+  FaceField u(grid), force(grid);
+  std::fill(u.c[2].begin(), u.c[2].end(), 1.0);
+  coupling.hold(holding, u, dt, force, tissue_share);
+  return std::abs(coupling.held_forces()[2]);
+}
+
+TEST(Holding, takes_three_fifths_of_what_the_step_leaves_beside_the_tissue) {
+  // At steps of 50 us and more spring and damper want the share 0.42 (1 - 0.8^2) each; at shorter ones they are as stiff as at 50 us and take less.
+  const double share = 0.42 * (1 - 0.8 * 0.8);
+  for (double dt : {25e-6, 50e-6, 80e-6}) {
+    const double part = std::min(1.0, dt / 50e-6), wanted = share * (part * part + part), alone = force_of_hold(dt, 0.0);
+    EXPECT_GT(alone, 0.0);
+    for (double tissue : {0.3, 0.8, 0.9}) {
+      const double left = 0.6 * (1 - tissue * tissue);
+      EXPECT_NEAR(force_of_hold(dt, tissue) / alone, std::min(1.0, left / wanted), 1e-12) << dt << ' ' << tissue;
+    }
+    EXPECT_NEAR(force_of_hold(dt, 2.0) / alone, 0.05 / wanted, 1e-12) << "never nothing";
+  }
+}
+
 /// Flow (m3/s) through a tube past a held ring beside its wall, as an annulus is, 10 ms after a pressure was put on. Most of the kernels there lies outside the
 /// tube: motions that the nodes hardly see are the slowest to be stopped.
 double flow_past_a_ring(double dt) {
