@@ -70,6 +70,21 @@ Oscillation analyse(const std::vector<TurekHronSample>& samples, const std::func
   return result;
 }
 
+/// Mean in time and amplitude of the part that swings with `hz`, over the last whole periods: what extremes of a noisy signal do not show.
+Oscillation component(const std::vector<TurekHronSample>& samples, const std::function<double(const TurekHronSample&)>& value, double hz) {
+  const double end = samples.back().time, start = end - std::floor((end - samples.front().time) * hz) / hz;
+  double sum = 0, cosine = 0, sine = 0;
+  int count = 0;
+  for (const TurekHronSample& s : samples) {
+    if (s.time <= start) continue;
+    sum += value(s);
+    cosine += value(s) * std::cos(2 * M_PI * hz * s.time);
+    sine += value(s) * std::sin(2 * M_PI * hz * s.time);
+    ++count;
+  }
+  return {sum / count, 2 * std::hypot(cosine, sine) / count, hz};
+}
+
 void print_oscillation(const char* what, const Oscillation& computed, const Oscillation& reference) {
   std::printf("%s\n", what);
   print_comparison("mean", computed.mean, reference.mean);
@@ -113,6 +128,7 @@ Fsi3Result run_fsi3(const TurekHronSpec& spec, double end) {
   print_oscillation("ux mm", result.ux, fsi3_ux);
   print_oscillation("uy mm", result.uy, fsi3_uy);
   print_oscillation("drag N/m", {result.drag.mean, result.drag.amplitude, 0}, fsi3_drag);
+  print_oscillation("drag N/m, mean in time and part at the frequency of ux", component(samples, [](const TurekHronSample& s) { return s.drag; }, result.ux.hz), fsi3_drag);
   print_oscillation("lift N/m", {result.lift.mean, result.lift.amplitude, 0}, fsi3_lift);
   std::fflush(stdout);
   return result;
@@ -153,7 +169,7 @@ TEST(TurekHron, DISABLED_fsi1_node_spacing) {
 }
 
 TEST(TurekHron, DISABLED_fsi3_node_spacing) {
-  run_fsi3({.cells = 82, .shear_modulus = 2e6, .mean_velocity = 2.0, .dt = 6e-5, .spacing_across = 1.0, .spacing_along = 1.5}, 5.0);
+  run_fsi3({.cells = 82, .shear_modulus = 2e6, .mean_velocity = 2.0, .dt = 6e-5, .spacing_across = 1.0, .spacing_along = 1.5}, 6.0);  // swings half a second later
 }
 
 TEST(TurekHron, DISABLED_fsi3) {
