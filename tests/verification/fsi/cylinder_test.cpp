@@ -111,7 +111,7 @@ TEST(Cylinder2d1, DISABLED_refinement) {
     const CylinderResult r = run_cylinder(cells, 8.0);
     print(cells, r);
     EXPECT_NEAR(r.cd, middle(cd_range), (cells < 80 ? 0.01 : 0.003) * middle(cd_range));
-    EXPECT_NEAR(r.cl, middle(cl_range), 0.002 * middle(cd_range));
+    EXPECT_NEAR(r.cl, middle(cl_range), 0.001 * middle(cd_range));
     EXPECT_NEAR(r.dp, middle(dp_range), 0.035 * middle(dp_range));
     EXPECT_NEAR(r.recirculation, middle(recirculation_range), 0.015 * middle(recirculation_range));
   }
