@@ -148,6 +148,7 @@ TEST(TurekHron, DISABLED_fsi1_coarse_variants) {
   run_fsi1({.cells = 41, .kernel = Kernel::ib4, .dt = 2.5e-4}, 5.0);
   run_fsi1({.cells = 41, .modulus = matched, .dt = 2.5e-4}, 5.0);
   run_fsi1({.cells = 41, .modulus = matched, .kernel = Kernel::ib4, .relaxation = Relaxation::none, .dt = 2.5e-4}, 5.0);
+  run_fsi1({.cells = 41, .dt = 1.25e-4}, 12.0);
 }
 
 // Tolerances: what first order leaves at the finer grid is 2 % of drag and 4 % of uy; ux and the lift are 23 and 22 % off there.
