@@ -73,6 +73,7 @@ struct Records {
 
 /// Of one thread, on cache lines of its own: the lists grow all the time.
 struct alignas(128) Scratch {
+  std::vector<NearPairs::Block> wanted;       // leaves with triangles that pass the test in single precision
   contact::Sights seen;
   std::vector<contact::Reactions> reactions;  // by block of `seen`
 };
@@ -311,17 +312,24 @@ struct SelfContact::Impl {
   }
 
   /// Triangles that face the node within reach, with their weights; returns W.
-  double look(const Vec3& x, int node, contact::Sights& seen) const {
+  double look(const Vec3& x, int node, Scratch& own) const {
+    contact::Sights& seen = own.seen;
     seen.clear();
     const LeafSight sight(limits(), single_precision, 0);
     const Eigen::Vector3f p = x.cast<float>();
-    Vec3 n = Vec3::Zero();
-    for (const NearPairs::Block& block : near.blocks_of(node)) {
-      const unsigned wanted = block.lanes & sight.of(surface_frames->heads()[static_cast<std::size_t>(block.leaf)], p);
-      if (wanted == 0) continue;
-      if (n.isZero(0)) n = node_normal(node);
-      measure(block.leaf, wanted, x, n, seen);
+    const auto near_blocks = near.blocks_of(node);
+    if (own.wanted.size() < near_blocks.size()) own.wanted.resize(near_blocks.size());
+    // Every other leaf fails the test: a branch here would be guessed wrong as often.
+    std::size_t count = 0;
+    for (const NearPairs::Block& block : near_blocks) {
+      const unsigned passed = block.lanes & sight.of(surface_frames->heads()[static_cast<std::size_t>(block.leaf)], p);
+      own.wanted[count] = {block.leaf, passed};
+      count += passed != 0;
     }
+    if (count == 0) return 0;
+    const Vec3 n = node_normal(node);
+    for (std::size_t k = 0; k < count; ++k) measure(own.wanted[k].leaf, own.wanted[k].lanes, x, n, seen);
+    if (seen.blocks().empty()) return 0;
     seen.pad();
     // Approaches |p| for full weight and infinity for none, so that `nearest` does not jump when a triangle comes into sight.
     Pack least = broadcast<Pack>(threshold_of[node]);
@@ -356,11 +364,11 @@ struct SelfContact::Impl {
   }
 
   /// All of one slave node: outputs, its own force, records of the reactions.
-  SlaveTotals evaluate_slave(int node, std::span<const double> x, std::span<const double> v, double dt, Scratch& scratch_of, Records& out) {
+  SlaveTotals evaluate_slave(int node, std::span<const double> x, std::span<const double> v, double dt, Scratch& own_scratch, Records& out) {
     SlaveTotals result;
-    contact::Sights& seen = scratch_of.seen;
+    contact::Sights& seen = own_scratch.seen;
     const Vec3 position = at(x, surface.nodes[node]);
-    const double total = look(position, node, seen);
+    const double total = look(position, node, own_scratch);
     double g = infinity;
     int nearest = -1;
     if (total > 0) {
@@ -394,7 +402,7 @@ struct SelfContact::Impl {
     const double force_of_total = half_stiffness * fade_slope * penalty.energy;
 
     const auto blocks = seen.blocks();
-    std::vector<contact::Reactions>& reactions = scratch_of.reactions;
+    std::vector<contact::Reactions>& reactions = own_scratch.reactions;
     reactions.resize(std::max(reactions.size(), blocks.size()));
     Pack3 own{}, mean_normal{};
     Pack depth{};
