@@ -59,6 +59,7 @@ SlabFlow::SlabFlow(const SlabSetup& setup, const SlabTissue& tissue, const std::
   is_still_ = tissue.is_held;
   is_still_.resize(count, 1);
   std::vector<char> holds = is_still_;
+  if (!setup.held_tissue_holds_blood) std::fill_n(holds.begin(), tissue.is_held.size(), 0);
   if (solid_) volumes_ = solid_->node_volumes();
   volumes_.resize(count, 0.0);
   for (int i = 0; i < tissue_.node_count(); ++i)
@@ -78,6 +79,11 @@ void SlabFlow::set_contact(const ContactOptions& options, const std::optional<Fi
   contact_ = make_contact(surface_, options);
   if (drainage)
     drainage_.emplace(surface_, *contact_, tissue_.mesh.points, tissue_.is_held, setup_.grid, *drainage);
+}
+
+void SlabFlow::set_body(SlabBody body) {
+  body_ = std::move(body);
+  fluid_.set_rest_faces(body_.inside);
 }
 
 void SlabFlow::update_relaxation() {
@@ -144,7 +150,7 @@ void SlabFlow::advance(double dt, double pressure) {
   // Both gains of hold() go with the inverse of the step it is told.
   coupling_.hold(holding_, flow_.velocity, setup_.grid.n[1] < thin_slab ? thin_slab_mobility * dt : dt, force_density_);
   fold_periodic_y(setup_.grid, force_density_, false);
-  fluid_.advance(flow_, force_density_, dt, {{{0, 0}, {0, 0}, {pressure, 0}}});
+  body_force_ = advance_around(body_, fluid_, flow_, force_density_, dt, {{{0, 0}, {0, 0}, {pressure, 0}}});
   coupling_.move(nodes, flow_.velocity, dt);
   for (std::size_t a = 0; a < v_.size(); ++a)
     if (!is_still_[a / 3]) v_[a] = (x_[a] - x_before_[a]) / dt;
@@ -153,7 +159,7 @@ void SlabFlow::advance(double dt, double pressure) {
 }
 
 Vec3 SlabFlow::force_on_blood() const {
-  Vec3 sum = Vec3::Zero();
+  Vec3 sum = body_force_;
   for (std::size_t i = 0; i < is_still_.size(); ++i)
     if (!is_still_[i]) sum += Vec3::Map(forces_.data() + 3 * i);
   const std::span<const double> held = coupling_.held_forces();

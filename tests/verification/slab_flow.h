@@ -11,6 +11,7 @@
 
 #include "solver/coupling/coupling.h"
 #include "solver/coupling/film_drainage.h"
+#include "verification/slab_body.h"
 #include "verification/slab_tissue.h"
 
 namespace mv::test {
@@ -30,6 +31,7 @@ struct SlabSetup {
   Kernel kernel = Kernel::ib4;
   Material material;
   Relaxation relaxation = Relaxation::none;
+  bool held_tissue_holds_blood = true;  // else held nodes of the tissue are clamped to something outside the blood
 };
 
 class SlabFlow {
@@ -40,6 +42,9 @@ class SlabFlow {
   /// Atrial faces touch each other; with `drainage` the film between them drains.
   void set_contact(const ContactOptions& contact, const std::optional<FilmDrainageOptions>& drainage);
 
+  /// A rigid body at rest; replaces an earlier one.
+  void set_body(SlabBody body);
+
   /// Normal velocities (m/s) at the end of the following steps on a side of kind inflow, as NavierStokes::set_inflow() wants them.
   void set_inflow(std::size_t axis, std::size_t side, std::span<const double> normal_velocity) {
     fluid_.set_inflow(axis, side, normal_velocity);
@@ -49,7 +54,7 @@ class SlabFlow {
   /// zero.
   void advance(double dt, double pressure);
 
-  /// All forces (N) of the last step on the blood: of the moving tissue and of what is held.
+  /// All forces (N) of the last step on the blood: of the moving tissue, of what is held and of the body (on the blood around it).
   Vec3 force_on_blood() const;
   /// Momentum (kg m/s) of the moving tissue.
   Vec3 tissue_momentum() const;
@@ -89,6 +94,8 @@ class SlabFlow {
   FaceField force_density_, scratch_;
   std::vector<double> rest_, x_, v_, x_before_, forces_, volumes_;
   std::vector<double> holding_, relax_steps_, mean_volume_, relax_shift_, film_gaps_;
+  SlabBody body_;
+  Vec3 body_force_ = Vec3::Zero();
   std::vector<char> is_still_;  // held or a copy: takes no part in the coupling
   long step_ = 0;
 };

@@ -28,20 +28,6 @@ std::vector<double> parabola(const FluidGrid& grid, double coefficient) {
   return profile;
 }
 
-std::vector<double> disc_points(double x, double z, double radius, double spacing, double depth, int ring_count) {
-  const int rings = static_cast<int>(std::ceil(radius / spacing));
-  std::vector<double> points;
-  for (int ring = 0; ring < (ring_count > 0 ? ring_count : rings + 1); ++ring) {
-    const double r = radius * (rings - ring) / rings;
-    const int count = std::max(1, static_cast<int>(std::ceil(2 * M_PI * r / spacing)));
-    for (int q = 0; q < count; ++q) {
-      const double angle = 2 * M_PI * (q + 0.5 * (ring % 2)) / count;
-      points.insert(points.end(), {x + r * std::cos(angle), 0.25 * depth, z + r * std::sin(angle)});
-    }
-  }
-  return points;
-}
-
 double pressure_at(const SlabFlow& flow, double x, double z) {
   const FluidGrid& grid = flow.fluid().grid();
   const double s = (x - grid.lower[0]) / grid.h - 0.5, t = (z - grid.lower[2]) / grid.h - 0.5;

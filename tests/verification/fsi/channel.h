@@ -16,9 +16,6 @@ SlabSetup channel_setup(double width, double length, int cells, double density, 
 /// Profile for SlabFlow::set_inflow(2, 0, .): coefficient * x (width - x), averaged over each face so that the flow is exact.
 std::vector<double> parabola(const FluidGrid& grid, double coefficient);
 
-/// Points that fill a disc of the slab in rings from its edge inwards, `spacing` (m) apart at most, for Coupling::hold. `ring_count` limits the rings; 0 fills.
-std::vector<double> disc_points(double x, double z, double radius, double spacing, double depth, int ring_count = 0);
-
 /// Bilinear interpolation of the pressure (Pa) between cell centres; the point must lie inside them.
 double pressure_at(const SlabFlow& flow, double x, double z);
 

@@ -11,7 +11,6 @@ constexpr double plate_thickness = 0.02, plate_end = 0.6;                   // m
 constexpr double density = 1000, viscosity = 1.0;                           // kg/m3, Pa s
 constexpr double poisson_ratio = 0.4;
 constexpr double rise = 2.0;            // s, of the inflow
-constexpr double point_spacing = 1.5;   // cells, of the ring (cylinder_test.cpp)
 
 }  // namespace
 
@@ -20,6 +19,7 @@ TurekHron::TurekHron(const TurekHronSpec& spec) : spec_(spec) {
   const double h = setup.grid.h;
   setup.kernel = spec.kernel;
   setup.relaxation = spec.relaxation;
+  setup.held_tissue_holds_blood = false;
   const double mu = spec.shear_modulus * (spec.modulus == PlateModulus::matched ? 0.5 / (1 - poisson_ratio) : 1.0);
   setup.material.law = Law::neo_hookean;
   setup.material.neo_mu = mu;
@@ -31,9 +31,9 @@ TurekHron::TurekHron(const TurekHronSpec& spec) : spec_(spec) {
   tissue.depth = h;
   tissue.columns = 1;
   const double start = centre + std::sqrt(radius * radius - 0.25 * plate_thickness * plate_thickness);
-  // Quadratic elements about a spacing wide: nodes half a spacing apart.
-  const int nx = 2 * std::max(1, static_cast<int>(std::lround(0.5 * plate_thickness / h)));
-  const int nz = static_cast<int>(std::ceil((plate_end - start) / h));
+  // Quadratic elements: nodes half a width apart.
+  const int nx = std::max(1, static_cast<int>(std::lround(plate_thickness / (2 * spec.spacing_across * h))));
+  const int nz = static_cast<int>(std::ceil((plate_end - start) / (2 * spec.spacing_along * h)));
   const Plate plate = tissue.add_plate({centre - 0.5 * plate_thickness, centre + 0.5 * plate_thickness}, nx, {start, plate_end}, nz);
   for (int j = 0; j <= plate.columns; ++j)
     for (int i = 0; i <= plate.nx; ++i) tissue.is_held[static_cast<std::size_t>(plate.node(i, j, 0))] = 1;
@@ -45,7 +45,8 @@ TurekHron::TurekHron(const TurekHronSpec& spec) : spec_(spec) {
     corners_.push_back({tissue.mesh.tets[t], tissue.mesh.tets[t + 1], tissue.mesh.tets[t + 2], tissue.mesh.tets[t + 3]});
   rest_ = tissue.mesh.points;
 
-  flow_ = std::make_unique<SlabFlow>(setup, tissue, disc_points(centre, centre, radius, point_spacing * h, h, 1));
+  flow_ = std::make_unique<SlabFlow>(setup, tissue, std::vector<double>{});
+  flow_->set_body(disc_body(setup.grid, centre, centre, radius));
   profile_ = parabola(setup.grid, 6 * spec.mean_velocity / (width * width));
 }
 
