@@ -96,6 +96,22 @@ MV_INLINE Pack minimum(Pack a, Pack b) { return a < b ? a : b; }
 MV_INLINE Pack maximum(Pack a, double b) { return maximum(a, broadcast<Pack>(b)); }
 MV_INLINE Pack minimum(Pack a, double b) { return minimum(a, broadcast<Pack>(b)); }
 
+/// Over the lanes, always in the same order.
+MV_INLINE double sum_of(Pack a) {
+#if MV_LANES == 8
+  const auto half = __builtin_shufflevector(a, a, 0, 1, 2, 3) + __builtin_shufflevector(a, a, 4, 5, 6, 7);
+  return (half[0] + half[2]) + (half[1] + half[3]);
+#else
+  return (a[0] + a[2]) + (a[1] + a[3]);
+#endif
+}
+MV_INLINE double least_of(Pack a) {
+  double least = a[0];
+  for (int i = 1; i < lanes; ++i) least = minimum(a[i], least);
+  return least;
+}
+MV_INLINE double most_of(Pack a) { return -least_of(-a); }
+
 template <class T>
 MV_INLINE T absolute(T a) {
   return maximum(a, -a);

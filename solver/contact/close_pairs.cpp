@@ -232,9 +232,13 @@ void ClosePairs::update(std::span<const double> x, double radius) {
 }
 
 double ClosePairs::longest_edge(std::span<const double> x) const {
-  double squared = 0;
-  for (const auto& [a, b] : edges_) squared = std::max(squared, (point(x, a) - point(x, b)).squaredNorm());
-  return std::sqrt(squared);
+  std::vector<double> largest(static_cast<std::size_t>(thread_count()), 0.0);
+  parallel_ranges(static_cast<std::ptrdiff_t>(edges_.size()), [&](std::ptrdiff_t begin, std::ptrdiff_t end, int thread) {
+    double squared = 0;
+    for (std::ptrdiff_t e = begin; e < end; ++e) squared = std::max(squared, (point(x, edges_[e][0]) - point(x, edges_[e][1])).squaredNorm());
+    largest[static_cast<std::size_t>(thread)] = squared;
+  });
+  return std::sqrt(*std::max_element(largest.begin(), largest.end()));
 }
 
 std::span<const ClosePair> ClosePairs::pairs_within(double distance) const {

@@ -20,12 +20,15 @@
 #include "solver/contact/contact_kernel.h"
 #include "solver/contact/leaf_frames.h"
 #include "solver/contact/near_pairs.h"
+#include "solver/contact/sights.h"
 
 namespace mv {
 namespace {
 
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
+using contact::load;
+using contact::Pack3;
 using contact::smooth_step;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -40,21 +43,6 @@ constexpr double near_turn_allowed = 0.06;
 // Both are halved, down to least_near_scale, while near pairs last for many steps, and doubled while they last for few.
 constexpr double least_near_scale = 0.1;
 constexpr int few_steps = 8, many_steps = 30;
-
-/// Velocities and inertia of a triangle, for the slip seen by an observer who turns with the master.
-struct FacetMotion {
-  Vec3 v, dv1, dv2;
-  Vec3 spin;                      // mean of r x v over the corners, r from the centroid
-  double xx, yy, zz, xy, xz, yz;  // mean of |r|^2 I - r r^T
-};
-
-/// A triangle that a slave sees with positive weight.
-struct Sight {
-  int slot;      // of the triangle in the tree
-  int triangle;
-  double p, weight, chi, u, reach_squared;
-  double l1, l2, b1, b2;
-};
 
 /// Phi and its derivatives for the overlap o = threshold - gap (self_contact.h).
 struct Penalty {
@@ -85,14 +73,10 @@ struct Records {
 
 /// Of one thread, on cache lines of its own: the lists grow all the time.
 struct alignas(128) Scratch {
-  std::vector<Sight> seen;
+  std::vector<NearPairs::Block> wanted;       // leaves with triangles that pass the test in single precision
+  contact::Sights seen;
+  std::vector<contact::Reactions> reactions;  // by block of `seen`
 };
-
-void add_corner(CornerForces& f, int corner, const Vec3& force) {
-  f[3 * corner] += force[0];
-  f[3 * corner + 1] += force[1];
-  f[3 * corner + 2] += force[2];
-}
 
 Vec3 at(std::span<const double> x, int node) { return Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(node)); }
 
@@ -134,6 +118,7 @@ struct SelfContact::Impl {
   std::vector<double> radius_squared;    // R_f^2 by slot of the tree
   std::vector<double> threshold_of;      // m, per surface node
   std::vector<int> ring_corner;          // which corner of ring[r] the node is
+  std::vector<std::array<std::int32_t, 3>> corner_offset;  // per triangle: where its corners' coordinates begin among the solid's
 
   // Refreshed by a search (candidates) and in between (near pairs).
   std::vector<double> x_search, x_near;  // 3 per surface node
@@ -181,6 +166,9 @@ struct SelfContact::Impl {
     sheet_separation = 0.5 * s.mean_edge;
     p_max = std::max(options.threshold + options.border_offset + sheet_separation, options.penetration_limit);
     reach = std::sqrt((1 + lateral_growth * lateral_growth) * p_max * p_max + radius_max * radius_max);
+    corner_offset.resize(triangles);
+    for (std::size_t f = 0; f < triangles; ++f)
+      for (std::size_t k = 0; k < 3; ++k) corner_offset[f][k] = 3 * s.nodes[static_cast<std::size_t>(s.triangles[f][k])];
     ring_corner.resize(s.ring.size());
     threshold_of.assign(nodes, options.threshold);
     for (std::size_t f = 0; f < triangles; ++f)
@@ -288,27 +276,8 @@ struct SelfContact::Impl {
 
   SightLimits limits() const { return {options.penetration_limit, p_max, lateral_growth}; }
 
-  static FacetMotion motion_of(const Vec3& e1, const Vec3& e2, const Vec3& va, const Vec3& vb, const Vec3& vc) {
-    FacetMotion m;
-    m.v = va;
-    m.dv1 = vb - va;
-    m.dv2 = vc - va;
-    // With r from the centroid the corners' r add up to zero; sum r r^T = 2/3 (e1 e1^T + e2 e2^T) - 1/3 (e1 e2^T + e2 e1^T).
-    const Vec3 centre = (e1 + e2) / 3;
-    m.spin = ((e1 - centre).cross(m.dv1) + (e2 - centre).cross(m.dv2)) / 3;
-    const Vec3 p = (2 * e1 - e2) / 9, q = (2 * e2 - e1) / 9;
-    const double trace = p.dot(e1) + q.dot(e2);
-    m.xx = trace - p[0] * e1[0] - q[0] * e2[0];
-    m.yy = trace - p[1] * e1[1] - q[1] * e2[1];
-    m.zz = trace - p[2] * e1[2] - q[2] * e2[2];
-    m.xy = -(p[0] * e1[1] + q[0] * e2[1]);
-    m.xz = -(p[0] * e1[2] + q[0] * e2[2]);
-    m.yz = -(p[1] * e1[2] + q[1] * e2[2]);
-    return m;
-  }
-
   /// Adds to `seen` what the node, at x and with the normal n, sees of the triangles in the `wanted` lanes of a leaf.
-  void measure(int leaf, unsigned wanted, const Vec3& x, const Vec3& n, std::vector<Sight>& seen) const {
+  void measure(int leaf, unsigned wanted, const Vec3& x, const Vec3& n, contact::Sights& seen) const {
     constexpr int width = BoxTree::width;
     const LeafFrames& frames = surface_frames->frames(leaf);
     for (int h = 0; h < width; h += lanes) {
@@ -331,43 +300,51 @@ struct SelfContact::Impl {
       chi = select(p < Pack{}, chi * contact::smooth_step((p + options.penetration_limit) / (depth_fade * options.penetration_limit)), chi);
       const Pack weight = chi * (1.0 - u) * (1.0 - u);
       unsigned visible = half & bits((cosine < facing_cosine) & (q.lateral_squared < reach_squared) & (p > -options.penetration_limit) & (p < p_max) & (weight > Pack{}));
+      if (visible == 0) continue;
+      alignas(64) std::array<contact::Lanes, 9> found;
+      const Pack values[] = {p, weight, chi, u, reach_squared, q.l1, q.l2, q.b1, q.b2};
+      for (std::size_t v = 0; v < found.size(); ++v) store(found[v].data(), values[v]);
       for (; visible != 0; visible &= visible - 1) {
-        const int l = __builtin_ctz(visible), slot = leaf * width + h + l;
-        seen.push_back({slot, search.tree().item(slot), p[l], weight[l], chi[l], u[l], reach_squared[l], q.l1[l], q.l2[l], q.b1[l], q.b2[l]});
+        const int lane = __builtin_ctz(visible);
+        seen.add(search.tree().item(leaf * width + h + lane), found, lane, frames, h + lane);
       }
     }
   }
 
   /// Triangles that face the node within reach, with their weights; returns W.
-  double look(const Vec3& x, int node, std::vector<Sight>& seen) const {
+  double look(const Vec3& x, int node, Scratch& own) const {
+    contact::Sights& seen = own.seen;
     seen.clear();
     const LeafSight sight(limits(), single_precision, 0);
     const Eigen::Vector3f p = x.cast<float>();
-    Vec3 n = Vec3::Zero();
-    for (const NearPairs::Block& block : near.blocks_of(node)) {
-      const unsigned wanted = block.lanes & sight.of(surface_frames->heads()[static_cast<std::size_t>(block.leaf)], p);
-      if (wanted == 0) continue;
-      if (n.isZero(0)) n = node_normal(node);
-      measure(block.leaf, wanted, x, n, seen);
+    const auto near_blocks = near.blocks_of(node);
+    if (own.wanted.size() < near_blocks.size()) own.wanted.resize(near_blocks.size());
+    // Every other leaf fails the test: a branch here would be guessed wrong as often.
+    std::size_t count = 0;
+    for (const NearPairs::Block& block : near_blocks) {
+      const unsigned passed = block.lanes & sight.of(surface_frames->heads()[static_cast<std::size_t>(block.leaf)], p);
+      own.wanted[count] = {block.leaf, passed};
+      count += passed != 0;
     }
+    if (count == 0) return 0;
+    const Vec3 n = node_normal(node);
+    for (std::size_t k = 0; k < count; ++k) measure(own.wanted[k].leaf, own.wanted[k].lanes, x, n, seen);
+    if (seen.blocks().empty()) return 0;
+    seen.pad();
     // Approaches |p| for full weight and infinity for none, so that `nearest` does not jump when a triangle comes into sight.
-    double nearest = threshold_of[node];
-    for (const Sight& s : seen) nearest = std::min(nearest, std::abs(s.p) + sheet_separation * (1 / s.weight - 1));
-    double total = 0;
-    std::size_t kept = 0;
-    for (Sight& s : seen) {
-      const double behind = (std::abs(s.p) - nearest) / sheet_separation;
-      if (behind > 0.5) {
-        const double fade = smooth_step(2 * (1 - behind));
-        s.chi *= fade;
-        s.weight *= fade;
-        if (!(s.weight > 0)) continue;
-      }
-      total += s.weight;
-      seen[kept++] = s;
+    Pack least = broadcast<Pack>(threshold_of[node]);
+    for (const contact::SightBlock& b : seen.blocks()) least = minimum(absolute(load(b.p)) + sheet_separation * (1.0 / load(b.weight) - 1.0), least);
+    const double nearest = least_of(least);
+    Pack total{};
+    for (contact::SightBlock& b : seen.blocks()) {
+      const Pack behind = (absolute(load(b.p)) - nearest) / sheet_separation;
+      const Pack fade = smooth_step(2.0 * (1.0 - behind));  // 1 up to a half
+      const Pack weight = load(b.weight) * fade;
+      store(b.chi.data(), load(b.chi) * fade);
+      store(b.weight.data(), weight);
+      total += weight;
     }
-    seen.resize(kept);
-    return total;
+    return sum_of(total);
   }
 
   Vec3 node_normal(int node) const {
@@ -387,23 +364,25 @@ struct SelfContact::Impl {
   }
 
   /// All of one slave node: outputs, its own force, records of the reactions.
-  SlaveTotals evaluate_slave(int node, std::span<const double> x, std::span<const double> v, double dt, std::vector<Sight>& seen, Records& out) {
+  SlaveTotals evaluate_slave(int node, std::span<const double> x, std::span<const double> v, double dt, Scratch& own_scratch, Records& out) {
     SlaveTotals result;
+    contact::Sights& seen = own_scratch.seen;
     const Vec3 position = at(x, surface.nodes[node]);
-    const double total = look(position, node, seen);
+    const double total = look(position, node, own_scratch);
     double g = infinity;
     int nearest = -1;
     if (total > 0) {
-      g = 0;
+      Pack weighted{};
       double largest = 0;
-      for (const Sight& s : seen) {
-        g += s.weight * s.p;
-        if (s.weight > largest) {
-          largest = s.weight;
-          nearest = s.triangle;
-        }
+      for (const contact::SightBlock& b : seen.blocks()) {
+        weighted += load(b.weight) * load(b.p);
+        for (std::size_t l = 0; l < lanes; ++l)
+          if (b.weight[l] > largest) {
+            largest = b.weight[l];
+            nearest = b.triangle[l];
+          }
       }
-      g /= total;
+      g = sum_of(weighted) / total;
     }
     const double threshold = threshold_of[node];
     if (is_active[node] && !(g < threshold)) clear_outputs(node);
@@ -422,66 +401,81 @@ struct SelfContact::Impl {
     const double force = half_stiffness * fade * penalty.force;  // this pass
     const double force_of_total = half_stiffness * fade_slope * penalty.energy;
 
-    Vec3 own = Vec3::Zero(), mean_normal = Vec3::Zero();
-    const std::size_t first = out.forces.size();
-    for (const Sight& s : seen) {
-      const Vec3 facing = surface_frames->n(s.slot);
-      const double share = s.weight / total;
+    const auto blocks = seen.blocks();
+    std::vector<contact::Reactions>& reactions = own_scratch.reactions;
+    reactions.resize(std::max(reactions.size(), blocks.size()));
+    Pack3 own{}, mean_normal{};
+    Pack depth{};
+    for (std::size_t k = 0; k < blocks.size(); ++k) {
+      const contact::SightBlock& b = blocks[k];
+      const Pack weight = load(b.weight), p = load(b.p), u = load(b.u), reach_squared = load(b.reach_squared);
+      const Pack l1 = load(b.l1), l2 = load(b.l2), b1 = load(b.b1), b2 = load(b.b2);
+      const Pack share = weight / total;
       // Factors on dp and on d(lateral distance squared), from dg and dW.
-      const double slope = -2 * s.chi * (1 - s.u) * (force * (s.p - g) / total - force_of_total);
-      const double on_p = force * share - slope * 2 * lateral_growth * lateral_growth * s.p * s.u / s.reach_squared;
-      const double on_lateral = slope / s.reach_squared;
-      const Vec3 lateral = (s.l1 - s.b1) * surface_frames->e1(s.slot) + (s.l2 - s.b2) * surface_frames->e2(s.slot);
-      own += on_p * facing + (2 * on_lateral) * lateral;
-      mean_normal += share * facing;
-      const Vec3 along_normal = (2 * on_lateral * s.p - on_p) * facing;
-      const Vec3 towards_closest = (-2 * on_lateral) * (lateral + s.p * facing);
-      CornerForces corners{};
-      add_corner(corners, 0, (1 - s.l1 - s.l2) * along_normal + (1 - s.b1 - s.b2) * towards_closest);
-      add_corner(corners, 1, s.l1 * along_normal + s.b1 * towards_closest);
-      add_corner(corners, 2, s.l2 * along_normal + s.b2 * towards_closest);
-      if (s.u == 0) result.depth = std::max(result.depth, -s.p);  // the foot lies in the triangle
-      out.triangle.push_back(s.triangle);
-      out.forces.push_back(corners);
+      const Pack slope = -2.0 * load(b.chi) * (1.0 - u) * (force * (p - g) / total - force_of_total);
+      const Pack on_p = force * share - slope * (2 * lateral_growth * lateral_growth) * p * u / reach_squared;
+      const Pack on_lateral = 2.0 * slope / reach_squared;
+      const Pack on_normal = on_lateral * p - on_p;
+      depth = maximum(depth, select((u == Pack{}) & (weight > Pack{}), -p, Pack{}));  // u = 0: the foot lies in the triangle
+      for (std::size_t c = 0; c < 3; ++c) {
+        const Pack n = load(b.n[c]), lateral = (l1 - b1) * load(b.e1[c]) + (l2 - b2) * load(b.e2[c]);
+        own[c] += on_p * n + on_lateral * lateral;
+        mean_normal[c] += share * n;
+        const Pack along_normal = on_normal * n, towards_closest = -on_lateral * (lateral + p * n);
+        reactions[k][0][c] = (1.0 - l1 - l2) * along_normal + (1.0 - b1 - b2) * towards_closest;
+        reactions[k][1][c] = l1 * along_normal + b1 * towards_closest;
+        reactions[k][2][c] = l2 * along_normal + b2 * towards_closest;
+      }
     }
     is_active[node] = 1;
-    own_force[node] = own;
-    normal[node] = mean_normal.normalized();
+    own_force[node] = contact::sum_of(own);
+    normal[node] = contact::sum_of(mean_normal).normalized();
     normal_force[node] = 2 * force;
+    result.depth = most_of(depth);
     result.force = 2 * force;
     result.gap = g;
     result.area = current_area(node);
     pressure[node] = 2 * force / result.area;
     result.energy = half_stiffness * fade * penalty.energy;
-    if (options.friction > 0) add_friction(node, position, v, dt, force, total, seen, std::span(out.forces).subspan(first), result);
+    if (options.friction > 0) add_friction(node, position, v, dt, force, total, seen, reactions, result);
+    for (std::size_t k = 0; k < blocks.size(); ++k)
+      for (std::size_t l = 0; l < lanes; ++l)
+        if (blocks[k].weight[l] > 0) {
+          out.triangle.push_back(blocks[k].triangle[l]);
+          CornerForces& corners = out.forces.emplace_back();
+          for (std::size_t a = 0; a < 9; ++a) corners[a] = reactions[k][a / 3][a % 3][l];
+        }
     return result;
   }
 
   /// Coulomb friction of one slave pass; see README for the return mapping and the turning observer.
-  void add_friction(int node, const Vec3& x, std::span<const double> velocities, double dt, double force, double total,
-                    const std::vector<Sight>& seen, std::span<CornerForces> reactions, SlaveTotals& result) {
+  void add_friction(int node, const Vec3& x, std::span<const double> velocities, double dt, double force, double total, const contact::Sights& seen,
+                    std::span<contact::Reactions> reactions, SlaveTotals& result) {
     const Vec3 n = normal[node];
-    Vec3 point = Vec3::Zero(), velocity = Vec3::Zero(), spin = Vec3::Zero();
-    double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
-    for (const Sight& s : seen) {
-      const Vec3 e1 = surface_frames->e1(s.slot), e2 = surface_frames->e2(s.slot);
-      const auto& t = surface.triangles[s.triangle];
-      const FacetMotion m = motion_of(e1, e2, at(velocities, surface.nodes[t[0]]), at(velocities, surface.nodes[t[1]]),
-                                      at(velocities, surface.nodes[t[2]]));
-      const double share = s.weight / total;
-      point += share * (x - s.p * surface_frames->n(s.slot) - (s.l1 - s.b1) * e1 - (s.l2 - s.b2) * e2);
-      velocity += share * (m.v + s.b1 * m.dv1 + s.b2 * m.dv2);
-      spin += share * m.spin;
-      xx += share * m.xx;
-      yy += share * m.yy;
-      zz += share * m.zz;
-      xy += share * m.xy;
-      xz += share * m.xz;
-      yz += share * m.yz;
+    const auto blocks = seen.blocks();
+    Pack3 nearest{}, speed{}, turning{};
+    contact::Inertia<Pack> inertia{};
+    for (const contact::SightBlock& b : blocks) {
+      std::array<std::array<std::int32_t, lanes>, 3> corner;
+      for (std::size_t l = 0; l < lanes; ++l)
+        for (std::size_t k = 0; k < 3; ++k) corner[k][l] = corner_offset[b.triangle[l]][k];
+      const Pack share = load(b.weight) / total, p = load(b.p), b1 = load(b.b1), b2 = load(b.b2);
+      const Pack aside1 = load(b.l1) - b1, aside2 = load(b.l2) - b2;
+      Pack3 e1, e2, dv1, dv2;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto of = [&](std::size_t k) { return mv::gather(velocities.data() + c, corner[k].data()); };
+        const Pack va = of(0);
+        dv1[c] = of(1) - va;
+        dv2[c] = of(2) - va;
+        e1[c] = load(b.e1[c]);
+        e2[c] = load(b.e2[c]);
+        nearest[c] += share * (x[c] - p * load(b.n[c]) - aside1 * e1[c] - aside2 * e2[c]);
+        speed[c] += share * (va + b1 * dv1[c] + b2 * dv2[c]);
+      }
+      contact::add_turning(e1, e2, dv1, dv2, share, turning, inertia);
     }
-    Mat3 inertia;
-    inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-    const Mat3 inverse = inertia.inverse();
+    const Vec3 point = contact::sum_of(nearest), velocity = contact::sum_of(speed), spin = contact::sum_of(turning);
+    const Mat3 inverse = contact::matrix_of(inertia).inverse();
     const Vec3 omega = inverse * spin;
     const Vec3 arm = x - point;
     const Vec3 relative = at(velocities, surface.nodes[node]) - velocity - omega.cross(arm);
@@ -509,17 +503,26 @@ struct SelfContact::Impl {
     friction_force[node] = 2 * friction;
     result.friction = 2 * friction.norm();
     own_force[node] += friction;
-    const Vec3 turn = inverse * arm.cross(friction);
-    for (std::size_t k = 0; k < seen.size(); ++k) {
-      const Sight& s = seen[k];
-      const Vec3 e1 = surface_frames->e1(s.slot), e2 = surface_frames->e2(s.slot);
-      const double share = s.weight / total;
-      const Vec3 centre = (e1 + e2) / 3;
-      const Vec3 twist = (share / 3) * turn;
-      CornerForces& corners = reactions[k];
-      add_corner(corners, 0, -(share * (1 - s.b1 - s.b2)) * friction - twist.cross(-centre));
-      add_corner(corners, 1, -(share * s.b1) * friction - twist.cross(e1 - centre));
-      add_corner(corners, 2, -(share * s.b2) * friction - twist.cross(e2 - centre));
+    const Vec3 turn = inverse * arm.cross(friction) / 3;
+    for (std::size_t k = 0; k < blocks.size(); ++k) {
+      const contact::SightBlock& b = blocks[k];
+      const Pack share = load(b.weight) / total, b1 = load(b.b1), b2 = load(b.b2);
+      Pack3 centre, arm1, arm2;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const Pack e1 = load(b.e1[c]), e2 = load(b.e2[c]);
+        centre[c] = (e1 + e2) / 3.0;
+        arm1[c] = e1 - centre[c];
+        arm2[c] = e2 - centre[c];
+      }
+      const auto push = [&](Pack3& corner, Pack barycentric, const Pack3& r, double sign) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          const std::size_t d = (c + 1) % 3, e = (c + 2) % 3;
+          corner[c] -= share * (barycentric * friction[c] + sign * (turn[d] * r[e] - turn[e] * r[d]));
+        }
+      };
+      push(reactions[k][0], 1.0 - b1 - b2, centre, -1);
+      push(reactions[k][1], b1, arm1, 1);
+      push(reactions[k][2], b2, arm2, 1);
     }
   }
 
@@ -585,7 +588,7 @@ struct SelfContact::Impl {
             Records out = std::move(records[p]);
             out.triangle.clear();
             out.forces.clear();
-            for (std::ptrdiff_t k = p * piece; k < std::min(count, (p + 1) * piece); ++k) slave_totals[k] = evaluate_slave(slaves[k], x, v, dt, scratch[thread].seen, out);
+            for (std::ptrdiff_t k = p * piece; k < std::min(count, (p + 1) * piece); ++k) slave_totals[k] = evaluate_slave(slaves[k], x, v, dt, scratch[thread], out);
             records[p] = std::move(out);
           }
         },

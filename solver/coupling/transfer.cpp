@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 #include <type_traits>
 
@@ -21,6 +22,9 @@ namespace {
 
 // A kernel reaches at most this many cells below and above the cell of its point.
 constexpr int reach = 2;
+// Rows of cells (along y and z) whose points are spread together. Points of two blocks that are one apart touch rows up to `reach` beyond their own, and one more where a narrow
+// kernel's last weight is zero.
+constexpr std::ptrdiff_t spread_block = 2 * reach + 1;
 
 // Narrower kernels have zero weights at the end: the values read there lie in the ghost layers or the next row.
 inline Quad load(const double* p) {
@@ -55,14 +59,13 @@ inline void for_components(Body&& body) {
 
 Transfer::Transfer(const FluidGrid& grid, const TubeWall& wall, Kernel kernel) : grid_(grid), has_wall_(wall.is_present), kernel_(kernel) {
   for (std::size_t c = 0; c < 3; ++c) open_[c] = wall.stencil[c].open;
-  slab_start_.assign(static_cast<std::size_t>(grid.n[2]) + 1, 0);
 }
 
 int Transfer::bind(std::span<const double> positions, std::span<const int> active) {
   const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(active.size());
   const int rows = grid_.n[1];
   row_of_.resize(active.size());
-  row_start_.assign(static_cast<std::size_t>(grid_.n[2]) * static_cast<std::size_t>(rows) + 1, 0);
+  row_end_.assign(static_cast<std::size_t>(grid_.n[2]) * static_cast<std::size_t>(rows) + 1, 0);
   const double inverse_h = 1.0 / grid_.h;
   parallel_for(count, [&](std::ptrdiff_t q) {
     const double* x = positions.data() + 3 * active[static_cast<std::size_t>(q)];
@@ -76,13 +79,13 @@ int Transfer::bind(std::span<const double> positions, std::span<const int> activ
     row_of_[static_cast<std::size_t>(q)] = is_inside ? static_cast<int>(s[1]) + rows * static_cast<int>(s[2]) : -1;
   });
   for (int row : row_of_)
-    if (row >= 0) ++row_start_[static_cast<std::size_t>(row) + 1];
-  for (std::size_t r = 0; r + 1 < row_start_.size(); ++r) row_start_[r + 1] += row_start_[r];
-  const std::size_t bound = static_cast<std::size_t>(row_start_.back());
+    if (row >= 0) ++row_end_[static_cast<std::size_t>(row) + 1];
+  for (std::size_t r = 0; r + 1 < row_end_.size(); ++r) row_end_[r + 1] += row_end_[r];
+  const std::size_t bound = static_cast<std::size_t>(row_end_.back());
   order_.resize(bound);
-  for (std::size_t k = 0; k < slab_start_.size(); ++k) slab_start_[k] = row_start_[k * static_cast<std::size_t>(rows)];
+  // row_end_ holds where each row begins, and is moved on to where it ends.
   for (std::size_t q = 0; q < active.size(); ++q)
-    if (row_of_[q] >= 0) order_[static_cast<std::size_t>(row_start_[static_cast<std::size_t>(row_of_[q])]++)] = active[q];
+    if (row_of_[q] >= 0) order_[static_cast<std::size_t>(row_end_[static_cast<std::size_t>(row_of_[q])]++)] = active[q];
   scaled_.resize(3 * bound);
   parallel_for(static_cast<std::ptrdiff_t>(bound), [&](std::ptrdiff_t at) {
     const double* x = positions.data() + 3 * order_[static_cast<std::size_t>(at)];
@@ -135,49 +138,43 @@ template <Kernel K>
 void Transfer::spread_with(std::span<const double> forces, FaceField& force_density) const {
   const std::ptrdiff_t sy = grid_.stride_y(), sz = grid_.stride_z();
   const double per_volume = 1.0 / (grid_.h * grid_.h * grid_.h);
-  // A thread owns a range of planes and takes only the share of each point that falls there. Cut where the points are, not the planes.
-  const std::ptrdiff_t planes = grid_.n[2] + 1;
-  const std::ptrdiff_t points = static_cast<std::ptrdiff_t>(order_.size());
-  auto plane_of_share = [&](std::ptrdiff_t share, std::ptrdiff_t teams) -> std::ptrdiff_t {
-    if (share == 0) return -FluidGrid::ghosts;
-    if (share == teams) return planes + FluidGrid::ghosts;
-    const int wanted = static_cast<int>(points * share / teams);
-    const auto it = std::lower_bound(slab_start_.begin(), slab_start_.end(), wanted);
-    const bool is_earlier_nearer = it != slab_start_.begin() && wanted - *(it - 1) < *it - wanted;
-    return it - slab_start_.begin() - is_earlier_nearer;
-  };
-  const std::ptrdiff_t teams = points < serial_loop_limit ? 1 : thread_count();
-  parallel_for(
-      teams,
-      [&](std::ptrdiff_t t) {
-        const std::ptrdiff_t k_begin = plane_of_share(t, teams), k_end = plane_of_share(t + 1, teams);
-        const auto slab = [&](std::ptrdiff_t k) { return slab_start_[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k, 0, grid_.n[2]))]; };
-        for (int q = slab(k_begin - reach); q < slab(k_end + reach); ++q) {
-          const PointWeights<K> weights(scaled_.data() + 3 * q);
-          const double* force = forces.data() + 3 * order_[static_cast<std::size_t>(q)];
-          for_components([&](auto component) {
-            constexpr int c = component, ny = kernel_width<K>(c == 1), nz = kernel_width<K>(c == 2);
-            const KernelWeights &wx = weights.of(c, 0), &wy = weights.of(c, 1), &wz = weights.of(c, 2);
-            double* base = force_density.c[c].data() + grid_.index(wx.first, wy.first, wz.first);
-            const double* open = open_[c].data() + (wx.first + FluidGrid::ghosts) + sy * (wy.first + FluidGrid::ghosts);
-            const Quad along_x = (force[c] * per_volume) * wx.w;
-            const int k0 = std::max<int>(0, static_cast<int>(k_begin) - wz.first);
-            const int k1 = std::min<int>(nz, static_cast<int>(k_end) - wz.first);
-            const auto add = [&](int first, int last) {
-              for (int j = 0; j < ny; ++j) {
-                const Quad wxy = along_x * (wy.w[j] * load(open + sy * j));
-                for (int k = first; k < last; ++k) {
-                  double* row = base + sy * j + sz * k;
-                  store(row, load(row) + wz.w[k] * wxy);
-                }
-              }
-            };
-            if (k0 == 0 && k1 == nz) add(0, nz);  // unrolled
-            else add(k0, k1);
-          });
+  if (order_.empty()) return;
+  // Blocks of rows, four colours: points in two blocks of a colour share no row, so each point is spread once, without locks, in an order that knows no threads.
+  const std::ptrdiff_t rows = grid_.n[1], planes = grid_.n[2], across = (rows + spread_block - 1) / spread_block, up = (planes + spread_block - 1) / spread_block;
+  const auto end_of_row = [&](std::ptrdiff_t row) { return row < 0 ? 0 : row_end_[static_cast<std::size_t>(row)]; };
+  const auto spread_point = [&](int q) {
+    const PointWeights<K> weights(scaled_.data() + 3 * q);
+    const double* force = forces.data() + 3 * order_[static_cast<std::size_t>(q)];
+    for_components([&](auto component) {
+      constexpr int c = component, ny = kernel_width<K>(c == 1), nz = kernel_width<K>(c == 2);
+      const KernelWeights &wx = weights.of(c, 0), &wy = weights.of(c, 1), &wz = weights.of(c, 2);
+      double* base = force_density.c[c].data() + grid_.index(wx.first, wy.first, wz.first);
+      const double* open = open_[c].data() + (wx.first + FluidGrid::ghosts) + sy * (wy.first + FluidGrid::ghosts);
+      const Quad along_x = (force[c] * per_volume) * wx.w;
+      for (int j = 0; j < ny; ++j) {
+        const Quad wxy = along_x * (wy.w[j] * load(open + sy * j));
+        for (int k = 0; k < nz; ++k) {
+          double* row = base + sy * j + sz * k;
+          store(row, load(row) + wz.w[k] * wxy);
         }
-      },
-      2);
+      }
+    });
+  };
+  const std::ptrdiff_t serial_below = static_cast<std::ptrdiff_t>(order_.size()) < serial_loop_limit ? std::numeric_limits<std::ptrdiff_t>::max() : 2;
+  for (std::ptrdiff_t colour = 0; colour < 4; ++colour) {
+    const std::ptrdiff_t j0 = colour % 2, k0 = colour / 2, columns = (across - j0 + 1) / 2, count = columns * ((up - k0 + 1) / 2);
+    parallel_pieces(
+        count, 1,
+        [&](std::ptrdiff_t first, std::ptrdiff_t last, int) {
+          for (std::ptrdiff_t b = first; b < last; ++b) {
+            const std::ptrdiff_t j = spread_block * (j0 + 2 * (b % columns)), k = spread_block * (k0 + 2 * (b / columns));
+            const std::ptrdiff_t j_end = std::min(j + spread_block, rows), k_end = std::min(k + spread_block, planes);
+            for (std::ptrdiff_t plane = k; plane < k_end; ++plane)
+              for (int q = end_of_row(j - 1 + rows * plane); q < end_of_row(j_end - 1 + rows * plane); ++q) spread_point(q);
+          }
+        },
+        serial_below);
+  }
 }
 
 double Transfer::kernel_reach() const {

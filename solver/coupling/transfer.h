@@ -52,9 +52,9 @@ class Transfer {
   std::array<std::vector<double>, 3> open_;  // per component, 2-D masks
   bool has_wall_;
   Kernel kernel_;
-  std::vector<int> order_;                   // bound points sorted by slab and row: neighbours share cache lines
-  std::vector<int> slab_start_;              // nz + 1
-  std::vector<int> row_start_, row_of_;      // scratch of bind()
+  std::vector<int> order_;                   // bound points sorted by row of cells: neighbours share cache lines
+  std::vector<int> row_end_;                 // of each row of cells (y + ny z): where its points end in order_
+  std::vector<int> row_of_;                  // scratch of bind()
   std::vector<double> scaled_;               // positions of order_ in cells, xyz interleaved
 };
 

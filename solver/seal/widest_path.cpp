@@ -28,12 +28,15 @@ Route search(const VoxelField& field, Bound&& bound, Value&& value) {
   const VoxelGrid& grid = field.grid();
   std::vector<std::int8_t> from(static_cast<std::size_t>(grid.size()), -2);
   std::priority_queue<Entry> queue;
+  // No key exceeds that of the entry it came from: what equals it is next, and most of the blood is wider than what counts. First in, first out keeps routes short.
+  std::queue<Entry> level;
   const Voxel layer = grid.n[0] * grid.n[1], top = grid.size() - layer;
   for (Voxel v = top; v < grid.size(); ++v)
     if (!field.is_wall(v) && bound(v) > 0) queue.push({bound(v), v, -1});
-  while (!queue.empty()) {
-    const Entry e = queue.top();
-    queue.pop();
+  while (!level.empty() || !queue.empty()) {
+    const Entry e = level.empty() ? queue.top() : level.front();
+    if (level.empty()) queue.pop();
+    else level.pop();
     if (from[static_cast<std::size_t>(e.voxel)] != -2) continue;
     const float key = std::min(e.key, value(e.voxel));
     if (key <= 0) continue;
@@ -51,7 +54,9 @@ Route search(const VoxelField& field, Bound&& bound, Value&& value) {
     grid.neighbours(e.voxel, [&](Voxel w, int direction) {
       if (from[static_cast<std::size_t>(w)] != -2 || field.is_wall(w)) return;
       const float next = std::min(key, bound(w));
-      if (next > 0) queue.push({next, w, static_cast<std::int8_t>(direction)});
+      const Entry step{next, w, static_cast<std::int8_t>(direction)};
+      if (next == key) level.push(step);
+      else if (next > 0) queue.push(step);
     });
   }
   return {};

@@ -66,6 +66,14 @@ StableStep::StableStep(const FluidGrid* grid) {
   if (grid) scratch_ = FaceField(*grid);
 }
 
+const std::vector<double>& StableStep::noise(std::size_t size) {
+  if (noise_.size() != size) {
+    noise_.resize(size);
+    for (std::size_t a = 0; a < size; ++a) noise_[a] = std::sin(12.9898 * static_cast<double>(a) + 1.0);
+  }
+  return noise_;
+}
+
 void StableStep::look_at_stiff_nodes(State& state) {
   if (state.relax_steps.empty() || state.mode_shape.empty()) return;
   double shortest = 1e300;
@@ -75,10 +83,15 @@ void StableStep::look_at_stiff_nodes(State& state) {
   double squared = 0;
   std::vector<double>& probe = probe_;
   probe.assign(state.mode_shape.size(), 0.0);
-  for (std::size_t a = 0; a < std::min(probe.size(), 3 * state.relax_steps.size()); ++a) {
-    const double step = state.relax_steps[a / 3];
-    if (step > 0) probe[a] = std::pow(shortest / step, 4) * std::sin(12.9898 * static_cast<double>(a) + 1.0);
-    squared += probe[a] * probe[a];
+  const std::vector<double>& any = noise(probe.size());
+  for (std::size_t node = 0; node < std::min(probe.size() / 3, state.relax_steps.size()); ++node) {
+    const double step = state.relax_steps[node];
+    if (!(step > 0)) continue;
+    const double ratio = (shortest / step) * (shortest / step), weight = ratio * ratio;
+    for (std::size_t a = 3 * node; a < 3 * node + 3; ++a) {
+      probe[a] = weight * any[a];
+      squared += probe[a] * probe[a];
+    }
   }
   if (!(squared > 0)) return;
   const double scale = probe_share * norm / std::sqrt(squared);
@@ -90,9 +103,10 @@ void StableStep::update(State& state, Structure& structure, const Coupling* coup
   const auto size = static_cast<Eigen::Index>(unknowns);
   const auto& is_fixed = structure.is_fixed();
   if (state.mode_shape.size() != unknowns) {
-    // Any start that is not orthogonal to the stiffest mode will do; this one is the same on every machine.
-    state.mode_shape.resize(unknowns);
-    for (std::size_t i = 0; i < unknowns; ++i) state.mode_shape[i] = is_fixed[i / 3] ? 0.0 : std::sin(12.9898 * static_cast<double>(i) + 1.0);
+    // Any start that is not orthogonal to the stiffest mode will do.
+    state.mode_shape = noise(unknowns);
+    for (std::size_t i = 0; i < unknowns; ++i)
+      if (is_fixed[i / 3]) state.mode_shape[i] = 0.0;
     iterations = std::max(iterations, products_from_nothing);
   }
   structure.begin_products(state.x);

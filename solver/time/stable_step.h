@@ -25,7 +25,10 @@ class StableStep {
   void look_at_stiff_nodes(State& state);
 
  private:
-  std::vector<double> probe_;
+  /// The same on every machine, orthogonal to nothing.
+  const std::vector<double>& noise(std::size_t size);
+
+  std::vector<double> probe_, noise_;
   FaceField scratch_;
 };
 
